@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+// The flags of `limn interpolate` that say what the job is, and the header they make.
+#include "client/cli/job_options.h"
+
+#include <array>
+#include <cmath>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <CLI/Error.hpp>
+#include <CLI/Validators.hpp>
+
+#include "limn/v1/mesh.pb.h"
+
+namespace limn::cli {
+namespace {
+
+using SolveMethod = v1::SolveOptions::Method;
+
+template <class T, std::size_t N>
+using Names = std::array<std::pair<std::string_view, T>, N>;
+
+constexpr Names<v1::Scheme, 3> kSchemes = {{
+    {"doo-sabin", v1::SCHEME_DOO_SABIN},
+    {"catmull-clark", v1::SCHEME_CATMULL_CLARK},
+    {"loop", v1::SCHEME_LOOP},
+}};
+
+constexpr Names<SolveMethod, 3> kSolvers = {{
+    {"chebyshev", v1::SolveOptions::METHOD_CHEBYSHEV},
+    {"jacobi", v1::SolveOptions::METHOD_JACOBI},
+    {"gauss-seidel", v1::SolveOptions::METHOD_GAUSS_SEIDEL},
+}};
+
+// How results travel.
+constexpr Names<v1::MeshEncoding, 3> kEncodings = {{
+    {"packed", v1::MESH_ENCODING_PACKED},
+    {"draco", v1::MESH_ENCODING_DRACO},
+    {"draco-quantized", v1::MESH_ENCODING_DRACO_QUANTIZED},
+}};
+
+template <class T, std::size_t N>
+CLI::IsMember OneOf(const Names<T, N>& names) {
+  std::vector<std::string> words;
+  for (const auto& [word, value] : names) words.emplace_back(word);
+  return CLI::IsMember(std::move(words));
+}
+
+template <class T, std::size_t N>
+T ValueOf(const Names<T, N>& names, std::string_view name) {
+  for (const auto& [word, value] : names) {
+    if (word == name) return value;
+  }
+  return T{};
+}
+
+// Empty if the text is a number in [0, 1). Written out: CLI::Range lets NaN pass.
+std::string CheckTolerance(const std::string& text) {
+  double value = 0;
+  if (!CLI::detail::lexical_cast(text, value) || !(value >= 0 && value < 1)) {
+    return "must be a number from 0 up to, but not including, 1; got '" + text + "'";
+  }
+  return {};
+}
+
+}  // namespace
+
+void AddJobFlags(CLI::App& app, JobOptions* options) {
+  app.add_option("--scheme", options->scheme, "Subdivision scheme (built: doo-sabin)")
+      ->check(OneOf(kSchemes))
+      ->capture_default_str();
+  app.add_option("--level", options->level, "Refinements of the tessellation, 0 to 10")
+      ->check(CLI::Range(0U, 10U))
+      ->capture_default_str()
+      ->type_name("K");
+  app.add_option("--solver", options->solver, "Iteration that finds the control mesh")
+      ->check(OneOf(kSolvers))
+      ->capture_default_str();
+  app.add_option("--tolerance", options->tolerance,
+                 "Stop when no vertex moves further in a sweep than this part of the bounding "
+                 "box's diagonal; 0 runs --max-sweeps [1e-12]")
+      ->check(CLI::Validator(CheckTolerance, "", "tolerance"))
+      ->type_name("EPS");
+  app.add_option("--max-sweeps", options->max_sweeps, "Sweeps at the most, 0 to 10000 [100]")
+      ->check(CLI::Range(0U, 10000U))
+      ->type_name("N");
+  app.add_option("--encoding", options->encoding,
+                 "How meshes travel; draco-quantized is lossy: it moves points and reorders faces")
+      ->check(OneOf(kEncodings))
+      ->capture_default_str();
+  app.add_option("--quantization-bits", options->quantization_bits,
+                 "Bits per coordinate of draco-quantized, 8 to 30 [16]")
+      ->check(CLI::Range(8U, 30U))
+      ->type_name("N");
+}
+
+v1::InterpolateHeader MakeJobHeader(const JobOptions& options, const WantedOutputs& wanted) {
+  v1::InterpolateHeader header;
+  header.set_scheme(ValueOf(kSchemes, options.scheme));
+  header.mutable_solve()->set_method(ValueOf(kSolvers, options.solver));
+  if (options.tolerance) header.mutable_solve()->set_tolerance(*options.tolerance);
+  if (options.max_sweeps) header.mutable_solve()->set_max_sweeps(*options.max_sweeps);
+  header.mutable_surface()->set_level(options.level);
+
+  const v1::MeshEncoding encoding = ValueOf(kEncodings, options.encoding);
+  // The given points are never quantised: the surface has to pass through them.
+  header.mutable_mesh()->set_encoding(
+      encoding == v1::MESH_ENCODING_DRACO_QUANTIZED ? v1::MESH_ENCODING_DRACO : encoding);
+  v1::OutputOptions& output = *header.mutable_output();
+  output.set_encoding(encoding);
+  if (options.quantization_bits) output.set_quantization_bits(*options.quantization_bits);
+  output.set_surface(wanted.surface);
+  output.set_normals(wanted.surface);
+  output.set_control_mesh(wanted.control_mesh);
+  return header;
+}
+
+}  // namespace limn::cli

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// The flags of `limn interpolate` that say what the job is, and the header they make.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include <CLI/App.hpp>
+
+#include "limn/v1/interpolate.pb.h"
+
+namespace limn::cli {
+
+// Absent values are the server's to choose; the names are those of the flags' help.
+struct JobOptions {
+  std::string scheme = "doo-sabin";
+  std::string solver = "chebyshev";
+  std::string encoding = "packed";
+  std::uint32_t level = 2;
+  std::optional<double> tolerance;
+  std::optional<std::uint32_t> max_sweeps;
+  std::optional<std::uint32_t> quantization_bits;
+};
+
+// Adds the flags. Values out of range end the parse with a CLI::ValidationError.
+void AddJobFlags(CLI::App& app, JobOptions* options);
+
+// What to ask the server to send back.
+struct WantedOutputs {
+  bool surface = true;
+  bool control_mesh = false;
+};
+
+// The header of such a job. options: as checked by the flags.
+[[nodiscard]] v1::InterpolateHeader MakeJobHeader(const JobOptions& options,
+                                                  const WantedOutputs& wanted);
+
+}  // namespace limn::cli

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+// C++ client of limnd: connect, submit a job, iterate over what comes back, cancel.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "engine/limit/tessellation.h"
+#include "engine/mesh/polygon_mesh.h"
+#include "limn/v1/interpolate.pb.h"
+#include "limn/v1/server_info.pb.h"
+
+namespace grpc {
+class Channel;
+}
+
+namespace limn {
+
+// One job, running. Not thread-safe except Cancel(); destroying it cancels what still runs.
+class ClientJob {
+ public:
+  ~ClientJob();
+  ClientJob(ClientJob&&) noexcept;
+  ClientJob& operator=(ClientJob&&) noexcept;
+
+  // Waits for the next message of the answer. Nothing: the answer is complete, see Finish.
+  std::optional<v1::InterpolateResponse> Next();
+
+  // Stops the job on the server too. Thread-safe; may be called from a signal-watching thread.
+  void Cancel();
+
+  // The job's end: ok, or the server's error with its detail (GetErrorDetail). Reads and drops
+  // what Next was not called for.
+  [[nodiscard]] absl::Status Finish();
+
+ private:
+  friend class Client;
+  struct Impl;
+  explicit ClientJob(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+// Everything that an Interpolate job gave.
+struct JobResult {
+  // With the input's faces (lossless encodings) when the control mesh was asked for.
+  PolygonMesh control_mesh;
+  // When the surface was asked for. Normals as doubles of the float32 that travelled.
+  Tessellation surface;
+  v1::Summary summary;
+};
+
+struct ClientOptions {
+  // Time limit of a job, in seconds; 0 is none.
+  double deadline_seconds = 0;
+  // Bytes per chunk of the upload, 1 to 1 MiB.
+  std::uint32_t chunk_bytes = 512U << 10;
+};
+
+// A connection. Thread-safe: several jobs may run on it at once.
+class Client {
+ public:
+  // address: HOST:PORT. Connects when the first job needs it.
+  static Client Connect(const std::string& address, const ClientOptions& options = {});
+  // Over a channel made elsewhere, such as a server's in-process channel.
+  explicit Client(std::shared_ptr<grpc::Channel> channel, const ClientOptions& options = {});
+
+  // Starts a job: encodes the mesh as header.mesh().encoding() says (its counts are filled in) and
+  // uploads it while answers can already be read. The mesh is not needed after the call returns.
+  [[nodiscard]] absl::StatusOr<ClientJob> Submit(v1::InterpolateHeader header,
+                                                 const PolygonMesh& mesh) const;
+
+  // Submits, collects, finishes. on_progress: called for each progress message; false cancels.
+  using ProgressCallback = std::function<bool(const v1::Progress&)>;
+  [[nodiscard]] absl::StatusOr<JobResult> Run(v1::InterpolateHeader header,
+                                              const PolygonMesh& mesh,
+                                              const ProgressCallback& on_progress = {}) const;
+
+  [[nodiscard]] absl::StatusOr<v1::GetServerInfoResponse> GetServerInfo() const;
+
+ private:
+  std::shared_ptr<grpc::Channel> channel_;
+  ClientOptions options_;
+};
+
+}  // namespace limn

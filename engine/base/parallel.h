@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: MIT
+// The one seam to oneTBB. All loops are gather loops: each iteration writes only what it owns, so
+// results do not depend on the number of threads. Threads are those of the arena that the caller
+// is in; see ThreadArena.
+#pragma once
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/parallel_reduce.h>
+#include <oneapi/tbb/task_arena.h>
+#include <oneapi/tbb/task_group.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/types/span.h"
+#include "engine/base/context.h"
+
+namespace limn {
+
+// Iterations per chunk where a loop does not say otherwise: long enough to hide the scheduler
+// (some 10 us of work), short enough to stop soon after a cancel. Loops below it run serially.
+inline constexpr std::size_t kDefaultGrain = 2048;
+
+// Calls body(begin, end) for disjoint ranges that cover [0, n), in parallel, in no given order.
+// Returns the context's status when it was stopped; some ranges were not visited then.
+template <class Body>
+[[nodiscard]] absl::Status ParallelFor(const Context& context, std::size_t n, std::size_t grain,
+                                       const Body& body) {
+  if (context.stop_requested()) return context.Check();
+  if (n <= grain) {
+    if (n > 0) body(std::size_t{0}, n);
+    return absl::OkStatus();
+  }
+  tbb::task_group_context group;
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, n, grain),
+      [&](const tbb::blocked_range<std::size_t>& range) {
+        // Ranges larger than the grain are cut up, so that a stop is seen soon.
+        for (std::size_t begin = range.begin(); begin < range.end(); begin += grain) {
+          if (context.stop_requested()) {
+            group.cancel_group_execution();
+            return;
+          }
+          body(begin, std::min(begin + grain, range.end()));
+        }
+      },
+      tbb::auto_partitioner(), group);
+  return context.Check();
+}
+
+template <class Body>
+[[nodiscard]] absl::Status ParallelFor(const Context& context, std::size_t n, const Body& body) {
+  return ParallelFor(context, n, kDefaultGrain, body);
+}
+
+// Largest value of body(begin, end) over disjoint ranges that cover [0, n), and at least
+// `identity`. The maximum does not depend on the order, so neither does the result.
+template <class Body>
+[[nodiscard]] absl::Status ParallelMax(const Context& context, std::size_t n, double identity,
+                                       const Body& body, double* result) {
+  *result = identity;
+  if (context.stop_requested()) return context.Check();
+  if (n <= kDefaultGrain) {
+    if (n > 0) *result = std::max(identity, body(std::size_t{0}, n));
+    return absl::OkStatus();
+  }
+  tbb::task_group_context group;
+  *result = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, n, kDefaultGrain), identity,
+      [&](const tbb::blocked_range<std::size_t>& range, double best) {
+        for (std::size_t begin = range.begin(); begin < range.end(); begin += kDefaultGrain) {
+          if (context.stop_requested()) {
+            group.cancel_group_execution();
+            return best;
+          }
+          best = std::max(best, body(begin, std::min(begin + kDefaultGrain, range.end())));
+        }
+        return best;
+      },
+      [](double a, double b) { return std::max(a, b); }, tbb::auto_partitioner(), group);
+  return context.Check();
+}
+
+// Calls body(block, begin, end) for the blocks of fixed size `block_size` that cover [0, n). Which
+// iterations form a block does not depend on the threads: partial results kept per block can be
+// combined in block order to the same bits.
+template <class Body>
+[[nodiscard]] absl::Status ParallelBlocks(const Context& context, std::size_t n,
+                                          std::size_t block_size, const Body& body) {
+  const std::size_t blocks = (n + block_size - 1) / block_size;
+  return ParallelFor(context, blocks, 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t block = first; block < last; ++block) {
+      body(block, block * block_size, std::min(n, (block + 1) * block_size));
+    }
+  });
+}
+
+// Block size of scans and ordered sums.
+inline constexpr std::size_t kScanBlock = 8192;
+
+// Ordered numbering: count(begin, end) says how many items the range holds; then
+// place(begin, end, first) is called with the number of items before `begin`. Returns the total.
+template <class Count, class Place>
+[[nodiscard]] absl::Status ParallelNumber(const Context& context, std::size_t n, const Count& count,
+                                          const Place& place, std::uint64_t* total) {
+  std::vector<std::uint64_t> first((n + kScanBlock - 1) / kScanBlock + 1, 0);
+  if (absl::Status status =
+          ParallelBlocks(context, n, kScanBlock,
+                         [&](std::size_t block, std::size_t begin, std::size_t end) {
+                           first[block + 1] = count(begin, end);
+                         });
+      !status.ok()) {
+    return status;
+  }
+  for (std::size_t i = 1; i < first.size(); ++i) first[i] += first[i - 1];
+  *total = first.back();
+  return ParallelBlocks(context, n, kScanBlock,
+                        [&](std::size_t block, std::size_t begin, std::size_t end) {
+                          place(begin, end, first[block]);
+                        });
+}
+
+// Replaces counts by the sums of all counts before them; counts must have one more element than
+// there are items, the last of which becomes the total. Sums are the caller's to bound.
+[[nodiscard]] inline absl::Status ParallelExclusiveSum(const Context& context,
+                                                       absl::Span<std::uint32_t> counts) {
+  if (counts.empty()) return absl::OkStatus();
+  const std::size_t n = counts.size() - 1;
+  counts[n] = 0;
+  std::uint64_t total = 0;
+  absl::Status status = ParallelNumber(
+      context, n,
+      [&](std::size_t begin, std::size_t end) {
+        std::uint64_t sum = 0;
+        for (std::size_t i = begin; i < end; ++i) sum += counts[i];
+        return sum;
+      },
+      [&](std::size_t begin, std::size_t end, std::uint64_t first) {
+        for (std::size_t i = begin; i < end; ++i) {
+          const std::uint32_t count = counts[i];
+          counts[i] = static_cast<std::uint32_t>(first);
+          first += count;
+        }
+      },
+      &total);
+  counts[n] = static_cast<std::uint32_t>(total);
+  return status;
+}
+
+// Threads to run jobs on. Loops called inside Execute use at most `threads` threads, the caller's
+// among them. Thread-safe; several jobs may share an arena.
+class ThreadArena {
+ public:
+  // threads: 1 or more; 0 means one per processor that this process may use.
+  explicit ThreadArena(int threads)
+      : arena_(threads == 0 ? tbb::task_arena::automatic : std::max(1, threads)) {}
+
+  // Runs f() in this arena and returns its result.
+  template <class F>
+  auto Execute(F&& f) {
+    return arena_.execute(std::forward<F>(f));
+  }
+
+  // Threads of this arena.
+  int threads() const { return arena_.max_concurrency(); }
+
+ private:
+  tbb::task_arena arena_;
+};
+
+}  // namespace limn

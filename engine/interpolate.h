@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+// The whole job: from a given mesh to the control mesh and the tessellated limit surface that
+// passes through the given vertices. One pipeline for every scheme:
+//   build -> solve -> first refinement -> constraints -> refine -> limit.
+// Source: Zheng and Cai, "Making Doo-Sabin surface interpolation always work over irregular
+// meshes", The Visual Computer 2005, section 3.4.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "engine/base/buffer.h"
+#include "engine/base/context.h"
+#include "engine/base/vec3.h"
+#include "engine/limit/tessellation.h"
+#include "engine/mesh/polygon_mesh.h"
+#include "engine/solve/solve.h"
+
+namespace limn {
+
+// Subdivision scheme. Built: kDooSabin. The others answer UNIMPLEMENTED.
+enum class Scheme { kDooSabin, kCatmullClark, kLoop };
+
+struct InterpolateOptions {
+  Scheme scheme = Scheme::kDooSabin;
+  SolveOptions solve;
+  // Refinements of the input's connectivity in the tessellation, 0 to Limits::max_level.
+  std::uint32_t level = 2;
+  // Whether to tessellate; without, only the control mesh is found.
+  bool surface = true;
+  // Whether to compute normals of the tessellation.
+  bool normals = true;
+};
+
+// Wall time of a stage.
+struct StageTime {
+  std::string_view stage;
+  double milliseconds = 0;
+};
+
+struct InterpolateResult {
+  // The control mesh: these positions with the faces of the input, in the input's order.
+  Buffer<Vec3> control_positions;
+  SolveReport solve;
+  // The limit surface; its first vertices are the limit points of the input's vertices, in order.
+  // Empty without `surface`.
+  Tessellation surface;
+  // In the order in which they ran: "build", "solve", and with a surface "first_refinement",
+  // "perturb", "refine", "limit".
+  std::vector<StageTime> stages;
+};
+
+// Bytes of the arrays that Interpolate holds at its peak for such a mesh and options, the input
+// not counted. 64-bit arithmetic; saturates. Cost: constant.
+[[nodiscard]] std::uint64_t EstimateBytes(std::uint64_t vertices, std::uint64_t faces,
+                                          std::uint64_t corners, const InterpolateOptions& options);
+
+// Interpolates all vertices of a closed, oriented, 2-manifold mesh of any arities and number of
+// components.
+//
+// Guarantees: the first vertex_count() points of the surface are within 1e-12 of the bounding
+// box's diagonal of the input's points, whatever the solve's tolerance; the result has the same
+// bits for any number of threads.
+//
+// Errors: as HalfEdgeMesh::Build; OPEN_MESH; INVALID_OPTION for an option out of range;
+// LIMIT_EXCEEDED when sizes are above the context's limits (before anything is allocated);
+// OUT_OF_MEMORY; CANCELLED and DEADLINE_EXCEEDED within one chunk of work; UNIMPLEMENTED for a
+// scheme that is not built.
+//
+// Cost: linear in corners x 4^level. Thread-safe; runs in the caller's arena (see ThreadArena).
+[[nodiscard]] absl::StatusOr<InterpolateResult> Interpolate(const Context& context,
+                                                            const PolygonMesh& mesh,
+                                                            const InterpolateOptions& options = {});
+
+}  // namespace limn

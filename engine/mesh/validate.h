@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// Checks of index arrays and coordinates, and the words for what they find.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "absl/status/status.h"
+#include "absl/types/span.h"
+#include "engine/base/context.h"
+#include "engine/base/error.h"
+#include "engine/base/vec3.h"
+#include "engine/mesh/polygon_mesh.h"
+
+namespace limn {
+
+// Coordinates of larger magnitude are refused: their squares and products overflow.
+inline constexpr double kMaxCoordinate = 1e100;
+
+// Axis-aligned box of points.
+struct BoundingBox {
+  Vec3 min = {0, 0, 0};
+  Vec3 max = {0, 0, 0};
+  double diagonal() const { return Norm(max - min); }
+};
+
+// Checks that all coordinates are finite and at most kMaxCoordinate in magnitude, and computes
+// their box. Errors: NON_FINITE_COORDINATE, COORDINATE_TOO_LARGE (count and first vertex),
+// EMPTY_MESH, CANCELLED, DEADLINE_EXCEEDED. Cost: one pass.
+[[nodiscard]] absl::Status ValidatePositions(const Context& context,
+                                             absl::Span<const Vec3> positions, BoundingBox* box);
+
+// Checks sizes against the context's limits, arities, index ranges and that no face visits a
+// vertex twice. Errors: EMPTY_MESH, LIMIT_EXCEEDED, MALFORMED_REQUEST (face_begin not increasing),
+// FACE_TOO_SMALL, INDEX_OUT_OF_RANGE, REPEATED_VERTEX. Cost: one pass.
+[[nodiscard]] absl::Status ValidateFaces(const Context& context, const PolygonMesh& mesh);
+
+// A mesh whose half-edges could not be paired: says why. Called after a builder saw that
+// something is wrong, so speed does not matter. Errors: NON_MANIFOLD_EDGE,
+// INCONSISTENT_ORIENTATION. Ok when every edge is well formed. Cost: sorts the edges.
+[[nodiscard]] absl::Status DiagnoseEdges(const PolygonMesh& mesh);
+
+}  // namespace limn

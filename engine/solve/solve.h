@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+// Solves L X = I for the control mesh X whose limit points L X are the given points I, matrix-free.
+// Sources: Zheng and Cai 2005, Eqs. 6 and 7 (Jacobi, Gauss-Seidel) and section 3.4 (stopping);
+// Golub and van Loan, Matrix Computations, section 10.1.5 (Chebyshev semi-iteration).
+#pragma once
+
+#include <cstdint>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/types/span.h"
+#include "engine/base/context.h"
+#include "engine/base/vec3.h"
+#include "engine/mesh/half_edge_mesh.h"
+#include "engine/scheme/limit_stencil.h"
+
+namespace limn {
+
+enum class SolveMethod {
+  // Chebyshev semi-iteration with the stencil's proven spectral bounds. No dot products.
+  kChebyshev,
+  // Each vertex solves its own equation with the values of the sweep before [ZC Eq. 7].
+  kJacobi,
+  // The same with the newest values, in vertex order. Serial by nature.
+  kGaussSeidel,
+};
+
+struct SolveOptions {
+  SolveMethod method = SolveMethod::kChebyshev;
+  // [ZC]'s EPS: stop when the largest move of a vertex in a sweep (maximum norm) is at most this
+  // part of the bounding box's diagonal. In [0, 1). 0 runs max_sweeps.
+  double tolerance = 1e-12;
+  // [ZC]'s ITE_MAX, 0 to 10,000. 0 leaves the given points as control points.
+  std::uint32_t max_sweeps = 100;
+};
+
+// Checks the ranges above. Errors: INVALID_OPTION naming "solve.tolerance" or "solve.max_sweeps".
+[[nodiscard]] absl::Status ValidateSolveOptions(const SolveOptions& options);
+
+struct SolveReport {
+  SolveMethod method = SolveMethod::kChebyshev;
+  std::uint32_t sweeps = 0;
+  // Whether the tolerance was met within max_sweeps.
+  bool converged = false;
+  // Largest move of the last sweep over the bounding box's diagonal.
+  double last_update = 0;
+  // Largest coordinate of |I - L X|, computed anew from X, over the bounding box's diagonal.
+  double residual = 0;
+};
+
+// What to solve: arrays belong to the caller and must outlive the call.
+struct SolveProblem {
+  const HalfEdgeMesh& mesh;
+  const LimitStencil& stencil;
+  // I, one point per vertex.
+  absl::Span<const Vec3> points;
+  // Diagonal of the bounding box, greater than 0 (for coincident points: any positive number).
+  double scale = 1;
+};
+
+// Solves for X, starting from X = I. solution: one point per vertex, apart from problem.points.
+//
+// Not meeting the tolerance is no error: see SolveReport::converged. Errors: INVALID_OPTION;
+// CANCELLED and DEADLINE_EXCEEDED, seen in every chunk of every sweep (Gauss-Seidel: every
+// kDefaultGrain vertices); `solution` is then undefined. Progress: stage "solve", after each sweep.
+//
+// Cost: sweeps + 1 passes over corners; memory of one point per face and two per vertex.
+// Same bits for any number of threads. Thread-safe.
+[[nodiscard]] absl::StatusOr<SolveReport> Solve(const Context& context, const SolveProblem& problem,
+                                                const SolveOptions& options,
+                                                absl::Span<Vec3> solution);
+
+}  // namespace limn

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT
+#include "server/job.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "absl/types/span.h"
+#include "engine/base/error.h"
+
+namespace limn {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double MillisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+// Whether one of the faces of the range has one of the first `vertices` vertices.
+bool Touches(const Tessellation& surface, const wire::TileRange& range, std::uint64_t vertices) {
+  const auto corner = [&](std::uint64_t face) -> std::uint64_t {
+    return surface.arity != 0 ? face * surface.arity : surface.face_begin[face];
+  };
+  const std::uint64_t begin = corner(range.first_face);
+  const std::uint64_t end = corner(range.first_face + range.face_count);
+  const auto corners = absl::MakeConstSpan(surface.face_vertices).subspan(begin, end - begin);
+  return std::any_of(corners.begin(), corners.end(),
+                     [&](Index vertex) { return vertex < vertices; });
+}
+
+}  // namespace
+
+Job::Job(JobSpec spec, Context context) : spec_(std::move(spec)), context_(std::move(context)) {}
+
+Job::~Job() = default;
+
+void Job::AddStage(std::string_view stage, double milliseconds) {
+  stages_.push_back({stage, milliseconds});
+}
+
+absl::Status Job::Run(std::string encoded_mesh) {
+  const Clock::time_point start = Clock::now();
+  bytes_received_ = encoded_mesh.size();
+  context_.Report({.stage = "decode"});
+  LIMN_ASSIGN_OR_RETURN(mesh_, wire::DecodeMesh(context_, spec_.mesh, encoded_mesh));
+  std::string().swap(encoded_mesh);
+  AddStage("decode", MillisecondsSince(start));
+
+  LIMN_ASSIGN_OR_RETURN(InterpolateResult result, Interpolate(context_, mesh_, spec_.engine));
+  stages_.insert(stages_.end(), result.stages.begin(), result.stages.end());
+  solve_ = result.solve;
+  surface_ = std::move(result.surface);
+  certificate_.emplace(std::exchange(mesh_.positions, std::move(result.control_positions)));
+  if (spec_.send_surface) {
+    LIMN_ASSIGN_OR_RETURN(tiles_, wire::PlanTiles(surface_, spec_.tiles));
+  } else {
+    certificate_->AddRun(0, surface_.positions);
+    surface_ = Tessellation{};
+  }
+  if (spec_.send_control_mesh) {
+    part_ = Part::kControlHeader;
+  } else {
+    mesh_ = PolygonMesh{};
+    part_ = tiles_.empty() ? Part::kSummary : Part::kTiles;
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<bool> Job::NextMessage(v1::InterpolateResponse* message) {
+  if (part_ == Part::kNone) return false;
+  LIMN_RETURN_IF_ERROR(context_.Check());
+  const Clock::time_point start = Clock::now();
+  LIMN_RETURN_IF_ERROR(Fill(message));
+  encode_milliseconds_ += MillisecondsSince(start);
+  // Last of all, so that it knows the time of everything before it.
+  if (message->has_summary()) FillSummary(message->mutable_summary());
+  return true;
+}
+
+absl::Status Job::Fill(v1::InterpolateResponse* message) {
+  switch (part_) {
+    case Part::kControlHeader:
+      return StartControlMesh(message->mutable_control_mesh());
+    case Part::kControlChunks:
+      NextControlChunk(message->mutable_control_mesh());
+      return absl::OkStatus();
+    case Part::kTiles:
+      return NextTile(message->mutable_tile());
+    case Part::kSummary:
+      message->mutable_summary();
+      part_ = Part::kNone;
+      return absl::OkStatus();
+    case Part::kNone:
+      break;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Job::StartControlMesh(v1::ControlMeshPart* part) {
+  LIMN_ASSIGN_OR_RETURN(wire::EncodedMesh encoded,
+                        wire::EncodeMesh(context_, mesh_, spec_.control_mesh));
+  mesh_ = PolygonMesh{};
+  *part->mutable_header() = std::move(encoded.header);
+  control_bytes_ = std::move(encoded.bytes);
+  control_chunks_.emplace(control_bytes_, spec_.tiles.tile_bytes);
+  part_ = Part::kControlChunks;
+  return absl::OkStatus();
+}
+
+void Job::NextControlChunk(v1::ControlMeshPart* part) {
+  control_chunks_->Next(part->mutable_chunk());
+  bytes_sent_ += part->chunk().data().size();
+  if (!part->chunk().last()) return;
+  control_chunks_.reset();
+  std::string().swap(control_bytes_);
+  part_ = tiles_.empty() ? Part::kSummary : Part::kTiles;
+}
+
+absl::Status Job::NextTile(v1::SurfaceTile* tile) {
+  const wire::TileRange& range = tiles_[next_tile_];
+  LIMN_ASSIGN_OR_RETURN(*tile,
+                        wire::EncodeTile(context_, surface_, range,
+                                         static_cast<std::uint32_t>(next_tile_), spec_.tiles));
+  LIMN_RETURN_IF_ERROR(Certify(range, *tile));
+  bytes_sent_ += tile->positions().size() + tile->normals().size() +
+                 tile->face_vertices().size() + tile->arities().size() + tile->draco().size();
+  if (++next_tile_ == tiles_.size()) part_ = Part::kSummary;
+  return absl::OkStatus();
+}
+
+// What the client will have: a packed tile holds the very doubles, any other is decoded again.
+absl::Status Job::Certify(const wire::TileRange& range, const v1::SurfaceTile& tile) {
+  if (tile.encoding() == v1::MESH_ENCODING_PACKED) {
+    certificate_->AddRun(range.first_vertex, absl::MakeConstSpan(surface_.positions)
+                                                 .subspan(range.first_vertex, range.vertex_count));
+    return absl::OkStatus();
+  }
+  if (!Touches(surface_, range, certificate_->target_count())) return absl::OkStatus();
+  LIMN_ASSIGN_OR_RETURN(const wire::DecodedTile decoded, wire::DecodeTile(tile));
+  if (decoded.vertex_ids.empty()) {
+    certificate_->AddRun(decoded.first_vertex, decoded.positions);
+    return absl::OkStatus();
+  }
+  for (std::size_t i = 0; i < decoded.vertex_ids.size(); ++i) {
+    certificate_->Add(decoded.vertex_ids[i], decoded.positions[i]);
+  }
+  return absl::OkStatus();
+}
+
+void Job::FillSummary(v1::Summary* summary) {
+  AddStage("encode", encode_milliseconds_);
+  summary->set_request_id(spec_.request_id);
+  summary->set_server_version(LIMN_VERSION);
+  summary->set_scheme(v1::SCHEME_DOO_SABIN);
+  summary->set_input_vertices(spec_.mesh.vertex_count());
+  summary->set_input_faces(spec_.mesh.face_count());
+  summary->set_level(spec_.engine.level);
+  if (spec_.send_surface) {
+    summary->set_surface_vertices(surface_.vertex_count());
+    summary->set_surface_faces(surface_.face_count());
+  }
+  v1::SolveReport* solve = summary->mutable_solve();
+  solve->set_method(MethodToProto(solve_.method));
+  solve->set_rule(v1::SolveOptions::RULE_MODIFIED);
+  solve->set_sweeps(solve_.sweeps);
+  solve->set_converged(solve_.converged);
+  solve->set_last_update(solve_.last_update);
+  solve->set_residual(solve_.residual);
+
+  const Certificate found = certificate_->Finish();
+  v1::Certificate* certificate = summary->mutable_certificate();
+  certificate->set_points_checked(found.points_checked);
+  certificate->set_max_error(found.max_error);
+  certificate->set_mean_error(found.mean_error);
+  certificate->set_bounding_box_diagonal(found.bounding_box_diagonal);
+  certificate->set_max_error_vertex(found.max_error_vertex);
+  certificate->set_after_encoding(spec_.send_surface);
+
+  for (const StageTime& stage : stages_) {
+    v1::StageTime* entry = summary->add_stages();
+    entry->set_stage(std::string(stage.stage));
+    entry->set_milliseconds(stage.milliseconds);
+  }
+  summary->set_bytes_received(bytes_received_);
+  summary->set_bytes_sent(bytes_sent_);
+}
+
+}  // namespace limn

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// One job, from the encoded mesh to the messages of its answer. Knows nothing of gRPC.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "engine/base/context.h"
+#include "engine/interpolate.h"
+#include "engine/limit/certificate.h"
+#include "limn/v1/interpolate.pb.h"
+#include "proto/wire/chunks.h"
+#include "server/options_from_proto.h"
+
+namespace limn {
+
+// First Run, then NextMessage until it has no more: the answer is encoded piece by piece as it is
+// asked for, so that a slow reader costs no memory beside the result. Not thread-safe, but each
+// call may come from another thread.
+class Job {
+ public:
+  // context: carries cancel, deadline, progress and limits through every phase.
+  Job(JobSpec spec, Context context);
+  ~Job();
+  Job(const Job&) = delete;
+  Job& operator=(const Job&) = delete;
+
+  // A stage that went before Run, for the summary.
+  void AddStage(std::string_view stage, double milliseconds);
+
+  // Decodes the mesh and computes. Runs in the caller's arena. Errors: those of wire::DecodeMesh
+  // and Interpolate.
+  [[nodiscard]] absl::Status Run(std::string encoded_mesh);
+
+  // Fills the next message of the answer: control mesh, tiles, summary. False: there is none left.
+  // Errors: those of wire::EncodeMesh and wire::EncodeTile.
+  [[nodiscard]] absl::StatusOr<bool> NextMessage(v1::InterpolateResponse* message);
+
+  // The stages until now, in order.
+  const std::vector<StageTime>& stages() const { return stages_; }
+  // Bytes of control mesh and tiles until now.
+  std::uint64_t bytes_sent() const { return bytes_sent_; }
+
+ private:
+  enum class Part { kControlHeader, kControlChunks, kTiles, kSummary, kNone };
+
+  [[nodiscard]] absl::Status Fill(v1::InterpolateResponse* message);
+  [[nodiscard]] absl::Status StartControlMesh(v1::ControlMeshPart* part);
+  void NextControlChunk(v1::ControlMeshPart* part);
+  [[nodiscard]] absl::Status NextTile(v1::SurfaceTile* tile);
+  [[nodiscard]] absl::Status Certify(const wire::TileRange& range, const v1::SurfaceTile& tile);
+  void FillSummary(v1::Summary* summary);
+
+  const JobSpec spec_;
+  const Context context_;
+  std::vector<StageTime> stages_;
+  double encode_milliseconds_ = 0;
+  std::uint64_t bytes_received_ = 0;
+  std::uint64_t bytes_sent_ = 0;
+
+  // The input; after Run with the control mesh's positions.
+  PolygonMesh mesh_;
+  SolveReport solve_;
+  Tessellation surface_;
+  std::optional<CertificateBuilder> certificate_;
+
+  Part part_ = Part::kNone;
+  std::string control_bytes_;
+  std::optional<wire::ChunkReader> control_chunks_;
+  std::vector<wire::TileRange> tiles_;
+  std::size_t next_tile_ = 0;
+};
+
+}  // namespace limn

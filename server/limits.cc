@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+#include "server/limits.h"
+
+#include <array>
+#include <limits>
+
+namespace limn {
+namespace {
+
+// Indices are 32 bits wide, so no mesh can have more.
+constexpr std::uint64_t kMostElements = std::numeric_limits<std::uint32_t>::max() - 1;
+constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 50;
+// A chunk is up to 1 MiB; a smaller message size would refuse well-formed uploads.
+constexpr std::uint64_t kLeastMessageBytes = (std::uint64_t{1} << 20) + 4096;
+constexpr std::uint64_t kDay = 86'400;
+
+constexpr std::array kTable = {
+    LimitEntry{"max-vertices", &ServerLimits::max_vertices, "vertices", "Vertices of a job's mesh",
+               1, kMostElements},
+    LimitEntry{"max-corners", &ServerLimits::max_corners, "corners",
+               "Corners of a job's mesh: the sum of the arities of its faces", 3, kMostElements},
+    LimitEntry{"max-level", &ServerLimits::max_level, "refinements",
+               "Level of a job's tessellation", 0, 10},
+    LimitEntry{"max-mesh-bytes", &ServerLimits::max_mesh_bytes, "bytes",
+               "Bytes of a job's encoded mesh", 1, kMostBytes},
+    LimitEntry{"max-job-bytes", &ServerLimits::max_job_bytes, "bytes",
+               "Memory that one job may need, as estimated before it starts", 1, kMostBytes},
+    LimitEntry{"max-total-bytes", &ServerLimits::max_total_bytes, "bytes",
+               "Memory that all jobs on the server may need together, by the same estimate", 1,
+               kMostBytes},
+    LimitEntry{"workers", &ServerLimits::workers, "jobs", "Jobs that are computed at a time", 1,
+               1024},
+    LimitEntry{"queue-length", &ServerLimits::queue_length, "jobs",
+               "Jobs that wait beside those being computed; the next one is refused", 0, 1'000'000},
+    LimitEntry{"max-streams", &ServerLimits::max_streams, "streams",
+               "Calls at a time on one connection", 1, 100'000},
+    LimitEntry{"max-message-bytes", &ServerLimits::max_message_bytes, "bytes",
+               "Bytes of one message to the server", kLeastMessageBytes, std::uint64_t{64} << 20},
+    LimitEntry{"stall-seconds", &ServerLimits::stall_seconds, "seconds",
+               "Time without a message from a client that uploads or without one taken by a client "
+               "that is answered, after which its call is ended",
+               1, kDay},
+    LimitEntry{"drain-seconds", &ServerLimits::drain_seconds, "seconds",
+               "Time that jobs have to finish after SIGTERM or SIGINT", 0, kDay},
+    LimitEntry{"max-connection-age", &ServerLimits::max_connection_age, "seconds",
+               "Age at which a connection is asked to end, so that balancers can move clients; 0 is "
+               "never",
+               0, 365 * kDay},
+};
+
+}  // namespace
+
+absl::Span<const LimitEntry> LimitTable() { return kTable; }
+
+Limits EngineLimits(const ServerLimits& limits) {
+  return {.max_vertices = limits.max_vertices,
+          .max_corners = limits.max_corners,
+          .max_level = static_cast<std::uint32_t>(limits.max_level),
+          .max_bytes = limits.max_job_bytes};
+}
+
+}  // namespace limn

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// The one place that maps a job's header to what the engine and the codec are asked to do. Every
+// field is checked; what the contract has and the engine has not answers UNIMPLEMENTED with the
+// field's name.
+#pragma once
+
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "engine/interpolate.h"
+#include "limn/v1/interpolate.pb.h"
+#include "proto/wire/mesh_codec.h"
+#include "proto/wire/tile_codec.h"
+
+namespace limn {
+
+// A checked job.
+struct JobSpec {
+  // Empty when the client gave none.
+  std::string request_id;
+  // The mesh's claims; see wire::CheckHeader, which is not called here.
+  v1::MeshHeader mesh;
+  // `surface` is always set: without one to send, level 0 is computed for the certificate.
+  InterpolateOptions engine;
+  bool send_control_mesh = false;
+  bool send_surface = false;
+  wire::MeshEncodeOptions control_mesh;
+  wire::TileOptions tiles;
+};
+
+// Errors: INVALID_OPTION, INDEX_OUT_OF_RANGE and UNIMPLEMENTED, naming the field as in
+// interpolate.proto. Thread-safe.
+[[nodiscard]] absl::StatusOr<JobSpec> JobSpecFromProto(const v1::InterpolateHeader& header);
+
+// What the engine did, as the contract says it.
+[[nodiscard]] v1::SolveOptions::Method MethodToProto(SolveMethod method);
+
+}  // namespace limn

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+// Runs the real binaries: limn to its end, limnd until it is stopped.
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace limn::e2e {
+
+// A process that writes its output into files.
+class Process {
+ public:
+  // Starts `command` (program and arguments). stdout and stderr go to the files BASE.out and
+  // BASE.err, which are emptied first.
+  Process(const std::vector<std::string>& command, const std::filesystem::path& base);
+  // Kills what still runs.
+  ~Process();
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  void Signal(int signal) const;
+  // Exit status, or 128 + signal as shells count, or kTimedOut: then the process has been killed.
+  int Wait(double timeout_seconds = 60);
+  // Whether it has not ended yet.
+  bool Running();
+
+  std::string Output() const;
+  std::string Errors() const;
+
+  static constexpr int kTimedOut = -1;
+
+ private:
+  bool Reap(int flags);
+
+  std::filesystem::path base_;
+  pid_t pid_ = -1;
+  bool ended_ = false;
+  int status_ = 0;
+};
+
+struct RunResult {
+  int status = 0;
+  std::string output;
+  std::string errors;
+};
+
+// A directory of its own for each test, removed at the end, with the binaries at hand.
+class Workspace {
+ public:
+  Workspace();
+  ~Workspace();
+  Workspace(const Workspace&) = delete;
+  Workspace& operator=(const Workspace&) = delete;
+
+  std::filesystem::path path(const std::string& name) const { return files_ / name; }
+  // Runs `limn` with these arguments to its end.
+  RunResult Limn(const std::vector<std::string>& arguments) const;
+  // Starts it.
+  Process* StartLimn(const std::vector<std::string>& arguments);
+  // Names of all files that the tests' commands made, sorted.
+  std::vector<std::string> Files() const;
+  // Where the outputs of processes are kept.
+  std::filesystem::path log(const std::string& name) const { return logs_ / name; }
+
+ private:
+  std::filesystem::path root_;
+  std::filesystem::path files_;
+  std::filesystem::path logs_;
+  std::vector<std::unique_ptr<Process>> started_;
+};
+
+// limnd on a free loopback port.
+class ServerProcess {
+ public:
+  // flags: beside --listen and --port-file. Throws std::runtime_error when it does not come up.
+  ServerProcess(const Workspace& workspace, const std::vector<std::string>& flags = {});
+
+  const std::string& address() const { return address_; }
+  // Everything that it has printed.
+  std::string Log() const { return process_.Output() + process_.Errors(); }
+  // Waits until its log contains `text`.
+  bool WaitForLog(const std::string& text, double timeout_seconds = 20) const;
+  Process& process() { return process_; }
+
+ private:
+  Process process_;
+  std::string address_;
+};
+
+std::string ReadAll(const std::filesystem::path& path);
+void WriteAll(const std::filesystem::path& path, const std::string& bytes);
+
+}  // namespace limn::e2e
