@@ -193,7 +193,7 @@ std::uint64_t EstimateBytes(std::uint64_t vertices, std::uint64_t faces, std::ui
   constexpr double kIndex = sizeof(Index);
   // Build: vertex, face, twin, edge and fan, and the buckets' ends; then half an index for edges.
   const double base = 6.5 * kIndex * c + 2 * kIndex * v + kIndex * f;
-  const double solve = 2 * kPoint * v + kPoint * f;
+  const double solve = 4 * kPoint * v + (kPoint + 2 * kIndex) * f + 2 * kIndex * (c + v);
   double peak = base + solve;
   if (options.surface) {
     const double control = kPoint * v;

@@ -5,7 +5,9 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
 #include "engine/base/error.h"
+#include "proto/wire/status.h"
 
 namespace limn {
 namespace {
@@ -18,8 +20,8 @@ std::uint64_t SaturatingAdd(std::uint64_t a, std::uint64_t b) {
   return sum < a ? std::numeric_limits<std::uint64_t>::max() : sum;
 }
 
-absl::Status TooLarge(std::string_view field, std::string_view message, std::string_view limit,
-                      std::string_view remedy) {
+absl::Status TooLarge(absl::string_view field, absl::string_view message, absl::string_view limit,
+                      absl::string_view remedy) {
   return MakeError(absl::StrCat(field, ": ", message, " (limit ", limit, ")"),
                    {.reason = Reason::kLimitExceeded,
                     .field = std::string(limit),
@@ -63,10 +65,10 @@ void Admission::Reservation::Release() {
 absl::StatusOr<Admission::Ticket> Admission::Admit(const JobSpec& spec) {
   LIMN_RETURN_IF_ERROR(wire::CheckHeader(EngineLimits(limits_), spec.mesh));
   if (spec.mesh.byte_count() > limits_.max_mesh_bytes) {
-    return TooLarge("mesh.byte_count",
-                    absl::StrCat(spec.mesh.byte_count(), " bytes are more than ",
-                                 limits_.max_mesh_bytes),
-                    "max-mesh-bytes", "Use a smaller mesh or a smaller encoding");
+    return TooLarge(
+        "mesh.byte_count",
+        absl::StrCat(spec.mesh.byte_count(), " bytes are more than ", limits_.max_mesh_bytes),
+        "max-mesh-bytes", "Use a smaller mesh or a smaller encoding");
   }
   if (spec.engine.level > limits_.max_level) {
     return TooLarge("surface.level",
@@ -93,7 +95,7 @@ absl::StatusOr<Admission::Reservation> Admission::Reserve(std::uint64_t bytes) {
                                   " bytes of memory, this one ", bytes, ", together more than ",
                                   limits_.max_total_bytes, " (limit max-total-bytes)"),
                      {.reason = Reason::kLimitExceeded,
-                      .field = "max-total-bytes",
+                      .field = std::string(wire::kQueueField),
                       .remedy = "Try again a little later"});
   }
   reserved_ += bytes;

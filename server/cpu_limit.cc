@@ -25,7 +25,7 @@ std::optional<std::string> ReadFile(const std::string& path) {
   return text.str();
 }
 
-std::optional<double> Ratio(std::string_view quota, std::string_view period) {
+std::optional<double> Ratio(const std::string& quota, const std::string& period) {
   double q = 0;
   double p = 0;
   // "max" and -1 mean no quota.
@@ -37,7 +37,7 @@ std::optional<double> Ratio(std::string_view quota, std::string_view period) {
 std::optional<double> QuotaV2(const std::string& directory) {
   const std::optional<std::string> text = ReadFile(absl::StrCat(directory, "/cpu.max"));
   if (!text.has_value()) return std::nullopt;
-  const std::vector<std::string_view> parts =
+  const std::vector<std::string> parts =
       absl::StrSplit(*text, absl::ByAnyChar(" \n"), absl::SkipEmpty());
   if (parts.size() != 2) return std::nullopt;
   return Ratio(parts[0], parts[1]);
@@ -69,8 +69,8 @@ std::optional<double> SmallestOnPath(const std::string& mount, std::string path,
   return smallest;
 }
 
-bool HasCpuController(std::string_view controllers) {
-  for (std::string_view controller : absl::StrSplit(controllers, ',')) {
+bool HasCpuController(const std::string& controllers) {
+  for (absl::string_view controller : absl::StrSplit(controllers, ',')) {
     if (controller == "cpu") return true;
   }
   return false;
@@ -91,17 +91,18 @@ int AffinityCount() {
 
 }  // namespace
 
-std::optional<double> CgroupCpuQuota(std::string_view membership, const std::string& mount) {
+std::optional<double> CgroupCpuQuota(const std::string& membership, const std::string& mount) {
   std::optional<double> smallest;
-  for (std::string_view line : absl::StrSplit(membership, '\n', absl::SkipEmpty())) {
+  for (absl::string_view line : absl::StrSplit(membership, '\n', absl::SkipEmpty())) {
     // hierarchy:controllers:path
-    const std::vector<std::string_view> parts = absl::StrSplit(line, absl::MaxSplits(':', 2));
+    const std::vector<std::string> parts = absl::StrSplit(line, absl::MaxSplits(':', 2));
     if (parts.size() != 3 || parts[2].empty() || parts[2][0] != '/') continue;
-    const std::string path(parts[2]);
+    const std::string& path = parts[2];
     if (parts[1].empty()) {
       smallest = Smaller(smallest, SmallestOnPath(mount, path, QuotaV2));
     } else if (HasCpuController(parts[1])) {
-      for (const std::string directory : {absl::StrCat(mount, "/cpu"), absl::StrCat(mount, "/", parts[1])}) {
+      for (const std::string& directory :
+           {absl::StrCat(mount, "/cpu"), absl::StrCat(mount, "/", parts[1])}) {
         smallest = Smaller(smallest, SmallestOnPath(directory, path, QuotaV1));
       }
     }

@@ -5,7 +5,6 @@
 
 #include <optional>
 #include <string>
-#include <string_view>
 
 namespace limn {
 
@@ -15,7 +14,7 @@ namespace limn {
 // The quota of the control groups named in `membership` (the text of /proc/self/cgroup) and of
 // their ancestors, in processors; version 2 (cpu.max) and version 1 (cpu.cfs_quota_us) under
 // `mount` ("/sys/fs/cgroup"). Nothing when there is no quota or nothing is readable.
-[[nodiscard]] std::optional<double> CgroupCpuQuota(std::string_view membership,
+[[nodiscard]] std::optional<double> CgroupCpuQuota(const std::string& membership,
                                                    const std::string& mount);
 
 }  // namespace limn

@@ -15,7 +15,7 @@ namespace limn {
 // Returns body(), an absl::Status or StatusOr, or the error that stands for what it threw.
 template <class Body>
 [[nodiscard]] auto Guarded(const Body& body) -> std::invoke_result_t<Body> {
-  constexpr std::string_view kNoMemory = "the server has not enough memory for this job";
+  constexpr const char* kNoMemory = "the server has not enough memory for this job";
   try {
     return body();
   } catch (const std::bad_alloc&) {

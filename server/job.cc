@@ -119,12 +119,12 @@ void Job::NextControlChunk(v1::ControlMeshPart* part) {
 
 absl::Status Job::NextTile(v1::SurfaceTile* tile) {
   const wire::TileRange& range = tiles_[next_tile_];
-  LIMN_ASSIGN_OR_RETURN(*tile,
-                        wire::EncodeTile(context_, surface_, range,
-                                         static_cast<std::uint32_t>(next_tile_), spec_.tiles));
+  LIMN_ASSIGN_OR_RETURN(
+      *tile, wire::EncodeTile(context_, surface_, range, static_cast<std::uint32_t>(next_tile_),
+                              spec_.tiles));
   LIMN_RETURN_IF_ERROR(Certify(range, *tile));
-  bytes_sent_ += tile->positions().size() + tile->normals().size() +
-                 tile->face_vertices().size() + tile->arities().size() + tile->draco().size();
+  bytes_sent_ += tile->positions().size() + tile->normals().size() + tile->face_vertices().size() +
+                 tile->arities().size() + tile->draco().size();
   if (++next_tile_ == tiles_.size()) part_ = Part::kSummary;
   return absl::OkStatus();
 }
@@ -132,8 +132,9 @@ absl::Status Job::NextTile(v1::SurfaceTile* tile) {
 // What the client will have: a packed tile holds the very doubles, any other is decoded again.
 absl::Status Job::Certify(const wire::TileRange& range, const v1::SurfaceTile& tile) {
   if (tile.encoding() == v1::MESH_ENCODING_PACKED) {
-    certificate_->AddRun(range.first_vertex, absl::MakeConstSpan(surface_.positions)
-                                                 .subspan(range.first_vertex, range.vertex_count));
+    certificate_->AddRun(
+        range.first_vertex,
+        absl::MakeConstSpan(surface_.positions).subspan(range.first_vertex, range.vertex_count));
     return absl::OkStatus();
   }
   if (!Touches(surface_, range, certificate_->target_count())) return absl::OkStatus();

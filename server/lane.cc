@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
+#include "proto/wire/status.h"
 
 namespace limn {
 
@@ -43,7 +44,7 @@ absl::StatusOr<Lane::Place> Lane::Reserve() {
         absl::StrCat("the server is busy: lane \"", options_.name, "\" has ", taken_,
                      " jobs, of which ", options_.queue_length, " wait (limit queue-length)"),
         {.reason = Reason::kLimitExceeded,
-         .field = "queue-length",
+         .field = std::string(wire::kQueueField),
          .remedy = "Try again a little later"});
   }
   ++taken_;

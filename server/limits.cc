@@ -42,10 +42,11 @@ constexpr std::array kTable = {
                1, kDay},
     LimitEntry{"drain-seconds", &ServerLimits::drain_seconds, "seconds",
                "Time that jobs have to finish after SIGTERM or SIGINT", 0, kDay},
-    LimitEntry{"max-connection-age", &ServerLimits::max_connection_age, "seconds",
-               "Age at which a connection is asked to end, so that balancers can move clients; 0 is "
-               "never",
-               0, 365 * kDay},
+    LimitEntry{
+        "max-connection-age", &ServerLimits::max_connection_age, "seconds",
+        "Age at which a connection is asked to end, so that balancers can move clients; 0 is "
+        "never",
+        0, 365 * kDay},
 };
 
 }  // namespace

@@ -31,7 +31,7 @@ struct ServerLimits {
 struct LimitEntry {
   // As flags ("--" before it), errors and GetServerInfo call it.
   std::string_view name;
-  std::uint64_t ServerLimits::* value;
+  std::uint64_t ServerLimits::*value;
   std::string_view unit;
   // What it limits, one sentence without a full stop.
   std::string_view description;

@@ -30,17 +30,21 @@ bool IsPlain(std::string_view value) {
   return true;
 }
 
+std::string Escaped(std::string_view text) {
+  return absl::Utf8SafeCHexEscape({text.data(), text.size()});
+}
+
 }  // namespace
 
 LogLine::LogLine(std::string_view event) { Add("event", event); }
 
 LogLine& LogLine::Add(std::string_view key, std::string_view value) {
   if (!text_.empty()) text_ += ' ';
-  absl::StrAppend(&text_, key, "=");
+  text_.append(key).append("=");
   if (IsPlain(value)) {
     text_ += value;
   } else {
-    absl::StrAppend(&text_, "\"", absl::Utf8SafeCHexEscape(value), "\"");
+    text_ += '"' + Escaped(value) + '"';
   }
   return *this;
 }
@@ -68,7 +72,7 @@ Log::~Log() {
 absl::StatusOr<std::shared_ptr<Log>> Log::ToStderr(std::string_view level) {
   const spdlog::level::level_enum parsed = spdlog::level::from_str(std::string(level));
   if (parsed == spdlog::level::off && level != "off") {
-    return MakeError(absl::StrCat("there is no log level \"", absl::Utf8SafeCHexEscape(level), "\""),
+    return MakeError(absl::StrCat("there is no log level \"", Escaped(level), "\""),
                      {.reason = Reason::kInvalidOption,
                       .field = "log-level",
                       .remedy = "Use debug, info, warning, error or off"});
@@ -85,9 +89,7 @@ absl::StatusOr<std::shared_ptr<Log>> Log::ToStderr(std::string_view level) {
   return std::shared_ptr<Log>(new Log(std::move(impl)));
 }
 
-std::shared_ptr<Log> Log::Null() {
-  return std::shared_ptr<Log>(new Log(std::make_unique<Impl>()));
-}
+std::shared_ptr<Log> Log::Null() { return std::shared_ptr<Log>(new Log(std::make_unique<Impl>())); }
 
 void Log::Debug(const LogLine& line) {
   if (impl_->logger != nullptr) impl_->logger->debug(std::string_view(line.text()));

@@ -9,7 +9,6 @@
 
 #include "absl/status/statusor.h"
 
-
 namespace limn {
 
 // The text of an event: `event=NAME key=value ...`. Values that hold anything but letters, digits
@@ -19,7 +18,9 @@ class LogLine {
  public:
   explicit LogLine(std::string_view event);
   LogLine& Add(std::string_view key, std::string_view value);
-  LogLine& Add(std::string_view key, const char* value) { return Add(key, std::string_view(value)); }
+  LogLine& Add(std::string_view key, const char* value) {
+    return Add(key, std::string_view(value));
+  }
   LogLine& Add(std::string_view key, std::uint64_t value);
   // With three decimals.
   LogLine& Add(std::string_view key, double value);

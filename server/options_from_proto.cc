@@ -5,6 +5,7 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
 #include "engine/base/error.h"
 
 namespace limn {
@@ -16,20 +17,21 @@ constexpr std::uint32_t kMostSweeps = 10'000;
 constexpr std::uint32_t kLeastTileBytes = 4U << 10;
 constexpr std::uint32_t kMostTileBytes = 1U << 20;
 
-absl::Status Invalid(std::string_view field, std::string_view message, std::string_view remedy) {
+absl::Status Invalid(absl::string_view field, absl::string_view message, absl::string_view remedy) {
   return MakeError(absl::StrCat(field, ": ", message), {.reason = Reason::kInvalidOption,
                                                         .field = std::string(field),
                                                         .remedy = std::string(remedy)});
 }
 
-absl::Status NotBuilt(std::string_view field, std::string_view feature, std::string_view remedy) {
+absl::Status NotBuilt(absl::string_view field, absl::string_view feature,
+                      absl::string_view remedy) {
   return MakeError(absl::StrCat(field, ": ", feature, " not implemented yet"),
                    {.reason = Reason::kUnimplemented,
                     .field = std::string(field),
                     .remedy = std::string(remedy)});
 }
 
-absl::Status UnknownValue(std::string_view field, int value) {
+absl::Status UnknownValue(absl::string_view field, int value) {
   return Invalid(field, absl::StrCat(value, " is no value of this enumeration"),
                  "Use one of the values in the contract");
 }
@@ -62,7 +64,7 @@ absl::Status CheckScheme(v1::Scheme scheme) {
   }
 }
 
-absl::Status CheckEncoding(std::string_view field, v1::MeshEncoding encoding) {
+absl::Status CheckEncoding(absl::string_view field, v1::MeshEncoding encoding) {
   if (v1::MeshEncoding_IsValid(encoding)) return absl::OkStatus();
   return UnknownValue(field, encoding);
 }
@@ -70,8 +72,8 @@ absl::Status CheckEncoding(std::string_view field, v1::MeshEncoding encoding) {
 absl::Status CheckConstraints(const v1::Constraints& constraints) {
   struct Kind {
     bool used;
-    std::string_view field;
-    std::string_view feature;
+    absl::string_view field;
+    absl::string_view feature;
   };
   const Kind kinds[] = {
       {constraints.has_interpolate(), "constraints.interpolate", "subsets of vertices are"},
@@ -86,8 +88,7 @@ absl::Status CheckConstraints(const v1::Constraints& constraints) {
   };
   for (const Kind& kind : kinds) {
     if (kind.used) {
-      return NotBuilt(kind.field, kind.feature,
-                      "Leave it out: all vertices are interpolated");
+      return NotBuilt(kind.field, kind.feature, "Leave it out: all vertices are interpolated");
     }
   }
   return absl::OkStatus();

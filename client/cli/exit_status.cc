@@ -6,25 +6,14 @@
 #include <cstdio>
 #include <string>
 
-namespace limn::cli {
+#include "engine/base/error.h"
 
-ExitStatus ExitStatusOf(const absl::Status& status) {
-  switch (status.code()) {
-    case absl::StatusCode::kOk:
-      return ExitStatus::kOk;
-    case absl::StatusCode::kInvalidArgument:
-    case absl::StatusCode::kNotFound:
-    case absl::StatusCode::kPermissionDenied:
-    case absl::StatusCode::kAlreadyExists:
-    case absl::StatusCode::kFailedPrecondition:
-    case absl::StatusCode::kOutOfRange:
-      return ExitStatus::kRefused;
-    case absl::StatusCode::kCancelled:
-      return ExitStatus::kInterrupted;
-    default:
-      return ExitStatus::kServer;
-  }
-}
+namespace limn::cli {
+namespace {
+
+void Print(const absl::Status& status) { PrintError(std::string(status.message())); }
+
+}  // namespace
 
 void PrintError(std::string_view what) {
   std::string line(what);
@@ -33,9 +22,22 @@ void PrintError(std::string_view what) {
   std::fprintf(stderr, "limn: %s\n", line.c_str());
 }
 
-ExitStatus Fail(const absl::Status& status) {
-  if (!status.ok()) PrintError(std::string(status.message()));
-  return ExitStatusOf(status);
+ExitStatus FailWithFile(const absl::Status& status) {
+  Print(status);
+  return ExitStatus::kRefused;
+}
+
+ExitStatus FailWithOption(const absl::Status& status) {
+  Print(status);
+  const auto detail = GetErrorDetail(status);
+  const bool usage = detail && detail->reason == Reason::kInvalidOption;
+  return usage ? ExitStatus::kUsage : ExitStatus::kRefused;
+}
+
+ExitStatus FailWithJob(const absl::Status& status) {
+  Print(status);
+  const bool refused = status.code() == absl::StatusCode::kInvalidArgument;
+  return refused ? ExitStatus::kRefused : ExitStatus::kServer;
 }
 
 }  // namespace limn::cli

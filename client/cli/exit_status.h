@@ -20,14 +20,17 @@ enum class ExitStatus : int {
   kInterrupted = 130,
 };
 
-// The exit status that belongs to an error of a file, of the engine or of the server.
-[[nodiscard]] ExitStatus ExitStatusOf(const absl::Status& status);
-
 // Prints "limn: <what>" to stderr. Control characters, which a file or a server may have put into
 // the message, are replaced.
 void PrintError(std::string_view what);
 
-// Prints the error, if it is one, and returns its exit status.
-ExitStatus Fail(const absl::Status& status);
+// Each prints the error and returns its exit status. `status` is not ok.
+
+// Of a file that was to be read or written.
+ExitStatus FailWithFile(const absl::Status& status);
+// Of an option's value: kUsage for INVALID_OPTION, otherwise as FailWithFile.
+ExitStatus FailWithOption(const absl::Status& status);
+// Of a job: what is wrong with the input is kRefused, everything else kServer.
+ExitStatus FailWithJob(const absl::Status& status);
 
 }  // namespace limn::cli

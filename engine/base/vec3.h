@@ -47,25 +47,37 @@ constexpr Vec3 Cross(const Vec3& a, const Vec3& b) {
 
 inline double Norm(const Vec3& a) { return std::sqrt(Dot(a, a)); }
 
-constexpr double MaxAbs(const Vec3& a) {
-  const double ax = a.x < 0 ? -a.x : a.x;
-  const double ay = a.y < 0 ? -a.y : a.y;
-  const double az = a.z < 0 ? -a.z : a.z;
-  return std::max(ax, std::max(ay, az));
+// Without branches: signs are random, and this runs once per vertex and sweep.
+inline double MaxAbs(const Vec3& a) {
+  return std::max(std::fabs(a.x), std::max(std::fabs(a.y), std::fabs(a.z)));
 }
 
 inline bool IsFinite(const Vec3& a) {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
 
-// a / |a|, or (0, 0, 0) where |a| is zero or not finite. Scaled first, so that lengths near the
-// ends of the exponent range do not under- or overflow.
+// a / |a|, or (0, 0, 0) where |a| is zero or not finite. Vectors whose squares would under- or
+// overflow are scaled first.
 inline Vec3 NormalizedOrZero(const Vec3& a) {
+  const double square = Dot(a, a);
+  if (square > 1e-200 && square < 1e200) return (1 / std::sqrt(square)) * a;
   const double scale = MaxAbs(a);
   if (!(scale > 0) || !std::isfinite(scale)) return {0, 0, 0};
   const Vec3 s = {a.x / scale, a.y / scale, a.z / scale};
-  const double n = Norm(s);
-  return {s.x / n, s.y / n, s.z / n};
+  return (1 / Norm(s)) * s;
+}
+
+// The direction of a x b as a unit vector, or zero where a and b span no plane.
+inline Vec3 UnitCross(const Vec3& a, const Vec3& b) {
+  const Vec3 product = Cross(a, b);
+  const double square = Dot(product, product);
+  if (square > 1e-200 && square < 1e200) return (1 / std::sqrt(square)) * product;
+  const double scale_a = MaxAbs(a);
+  const double scale_b = MaxAbs(b);
+  if (!(scale_a > 0 && scale_b > 0)) return {0, 0, 0};
+  // Divided, not multiplied by an inverse: that of a denormal is infinite.
+  return NormalizedOrZero(Cross({a.x / scale_a, a.y / scale_a, a.z / scale_a},
+                                {b.x / scale_b, b.y / scale_b, b.z / scale_b}));
 }
 
 }  // namespace limn

@@ -8,15 +8,6 @@
 namespace limn {
 namespace {
 
-// The direction of a x b as a unit vector, or zero. Scaled first: products of very small vectors
-// would vanish.
-Vec3 UnitCross(const Vec3& a, const Vec3& b) {
-  const double scale_a = MaxAbs(a);
-  const double scale_b = MaxAbs(b);
-  if (!(scale_a > 0 && scale_b > 0)) return {0, 0, 0};
-  return NormalizedOrZero(Cross((1 / scale_a) * a, (1 / scale_b) * b));
-}
-
 // Writes limit points and normals of faces of M^k.
 class FaceLimits {
  public:

@@ -176,13 +176,18 @@ void Remix::FlipSome(double share_of_edges, Random* random) {
 
 std::size_t Remix::MergeSome(std::size_t wanted, Random* random) {
   const Buffer<Index> edges = EdgesInRandomOrder(random);
+  // Some vertices keep all their edges, or large valences would die out.
+  Buffer<unsigned char> kept(valence_.size());
+  for (unsigned char& keep : kept) keep = random->Below(10) == 0 ? 1 : 0;
   std::size_t merged = 0;
   for (const Index h : edges) {
     const Index most = std::max(valence_[vertex_[h]], valence_[vertex_[twin_[h]]]);
     if (most > limits_.max_valence) merged += Merge(h) ? 1 : 0;
   }
   for (std::size_t i = 0; i < edges.size() && merged < wanted; ++i) {
-    merged += Merge(edges[i]) ? 1 : 0;
+    const Index h = edges[i];
+    if (vertex_[h] == kNoIndex || kept[vertex_[h]] != 0 || kept[vertex_[twin_[h]]] != 0) continue;
+    merged += Merge(h) ? 1 : 0;
   }
   return merged;
 }

@@ -160,7 +160,7 @@ PolygonMesh IrregularSphere(std::uint64_t vertices, Random* random) {
   PolygonMesh mesh = EvenSphere(vertices, random);
   Remix remix(mesh, mesh.positions, {.max_valence = 9, .max_arity = 8});
   remix.FlipSome(0.5, random);
-  remix.MergeSome(static_cast<std::size_t>(vertices + vertices / 4), random);
+  remix.MergeSome(static_cast<std::size_t>(vertices), random);
   remix.TakeFaces(&mesh);
   MakeBumpy(random, &mesh);
   return mesh;
@@ -237,7 +237,7 @@ PolygonMesh Disk(std::uint64_t vertices, Random* random) {
   const Buffer<Vec3> normals(mesh.vertex_count(), Vec3{0, 0, 1});
   Remix remix(mesh, normals, {.max_valence = 9, .max_arity = 8});
   remix.FlipSome(0.5, random);
-  remix.MergeSome(static_cast<std::size_t>(vertices + vertices / 4), random);
+  remix.MergeSome(static_cast<std::size_t>(vertices), random);
   remix.TakeFaces(&mesh);
   const Waves waves(random, 1);
   for (Vec3& p : mesh.positions) p.z = 0.3 * waves.At(p);

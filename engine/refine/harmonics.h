@@ -4,6 +4,7 @@
 // 1/2 (first harmonic) and 1/4 (the rest).
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -25,10 +26,32 @@ struct UnitAngle {
   double cos;
   double sin;
 };
-inline UnitAngle AngleOf(std::size_t i, std::size_t m) {
-  const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(m);
-  return {std::cos(angle), std::sin(angle)};
-}
+
+// Those of all small m, since computing them costs more than all else that is done with them.
+class UnitAngles {
+ public:
+  UnitAngles() {
+    for (std::size_t m = 1; m < kSmall; ++m) {
+      for (std::size_t i = 0; i < m; ++i) table_[Place(i, m)] = Compute(i, m);
+    }
+  }
+  // 0 <= i < m.
+  UnitAngle operator()(std::size_t i, std::size_t m) const {
+    return m < kSmall ? table_[Place(i, m)] : Compute(i, m);
+  }
+
+ private:
+  static constexpr std::size_t kSmall = 32;
+  static std::size_t Place(std::size_t i, std::size_t m) { return m * (m - 1) / 2 + i; }
+  static UnitAngle Compute(std::size_t i, std::size_t m) {
+    const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(m);
+    return {std::cos(angle), std::sin(angle)};
+  }
+  std::array<UnitAngle, kSmall*(kSmall - 1) / 2> table_;
+};
+inline const UnitAngles kUnitAngles;
+
+inline UnitAngle AngleOf(std::size_t i, std::size_t m) { return kUnitAngles(i, m); }
 
 // Differences to p(0) are summed, so that points far from the origin lose nothing.
 template <class Point>

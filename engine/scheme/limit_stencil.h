@@ -44,31 +44,4 @@ struct LimitStencil {
 // spectrum is within [1/2, 1] on every closed mesh.
 [[nodiscard]] LimitStencil DooSabinModifiedStencil();
 
-// centroids[f] = mean of the points of face f's corners. Sizes: one point per vertex, one centroid
-// per face. Cost: one pass over corners. Errors: CANCELLED, DEADLINE_EXCEEDED. Thread-safe.
-[[nodiscard]] absl::Status FaceCentroids(const Context& context, const HalfEdgeMesh& mesh,
-                                         absl::Span<const Vec3> points, absl::Span<Vec3> centroids);
-
-// Row v of L applied to points, given their face centroids. Meshes from HalfEdgeMesh::Build.
-[[nodiscard]] inline Vec3 LimitPoint(const HalfEdgeMesh& mesh, const LimitRow& row,
-                                     absl::Span<const Vec3> points,
-                                     absl::Span<const Vec3> centroids, std::size_t v) {
-  const Index begin = mesh.fan_begin()[v];
-  const Index end = mesh.fan_begin()[v + 1];
-  Vec3 limit = row.vertex * points[v];
-  if (row.faces != 0) {
-    Vec3 sum = {0, 0, 0};
-    for (Index i = begin; i < end; ++i) sum += centroids[mesh.face()[mesh.fan()[i]]];
-    limit += (row.faces / (end - begin)) * sum;
-  }
-  if (row.edges != 0) {
-    // Interior vertices: as many edges as faces, each half-edge of the fan leads to one neighbour.
-    const PolygonWalk walk(mesh);
-    Vec3 sum = {0, 0, 0};
-    for (Index i = begin; i < end; ++i) sum += points[mesh.vertex()[walk.Next(mesh.fan()[i])]];
-    limit += (row.edges / (end - begin)) * sum;
-  }
-  return limit;
-}
-
 }  // namespace limn

@@ -8,6 +8,8 @@
 #include "engine/base/buffer.h"
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
+#include "engine/scheme/limit_operator.h"
+#include "engine/solve/gauss_seidel.h"
 
 namespace limn {
 namespace {
@@ -19,115 +21,89 @@ struct SweepFactors {
   double gain = 1;
 };
 
-// The part of a vertex's own point in its limit point: the diagonal of L.
-double Diagonal(const HalfEdgeMesh& mesh, const LimitRow& row, std::size_t v) {
-  const Index begin = mesh.fan_begin()[v];
-  const Index end = mesh.fan_begin()[v + 1];
-  double inverse_arities = 0;
-  for (Index i = begin; i < end; ++i) {
-    const Index f = mesh.face()[mesh.fan()[i]];
-    inverse_arities += 1.0 / (mesh.face_begin()[f + 1] - mesh.face_begin()[f]);
-  }
-  return row.vertex + row.faces * inverse_arities / (end - begin);
-}
-
-// The unknowns and everything a sweep needs.
+// The unknowns of the simultaneous methods and everything a sweep needs, in the operator's slots.
 class Sweeper {
  public:
-  Sweeper(const Context& context, const SolveProblem& problem, absl::Span<Vec3> solution)
+  Sweeper(const Context& context, const LimitOperator& limit)
       : context_(context),
-        problem_(problem),
-        x_(solution),
-        centroids_(problem.mesh.face_count()),
-        in_place_(!problem.stencil.uses_edges()) {}
+        limit_(limit),
+        points_(limit.vertex_count()),
+        x_(limit.vertex_count()),
+        centroids_(limit.face_count()) {}
 
-  absl::Status Start(bool jacobi_weights, bool simultaneous) {
-    const std::size_t n = problem_.points.size();
-    if (jacobi_weights) weights_.resize(n);
-    if (simultaneous) step_.resize(n);
+  absl::Status Start(absl::Span<const Vec3> points) {
+    step_.resize(x_.size());
     // Rows without neighbours' points see x through the centroids only, so x can change in place.
-    if (simultaneous && !in_place_) next_.resize(n);
-    return ParallelFor(context_, n, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t v = begin; v < end; ++v) {
-        x_[v] = problem_.points[v];
-        if (simultaneous) step_[v] = {0, 0, 0};
-        if (jacobi_weights) {
-          weights_[v] = 1 / Diagonal(problem_.mesh, problem_.stencil.row(v), v);
-        }
+    if (limit_.uses_edges()) next_.resize(x_.size());
+    LIMN_RETURN_IF_ERROR(limit_.ToSlots(context_, points, absl::MakeSpan(points_)));
+    return ParallelFor(context_, x_.size(), [&](std::size_t begin, std::size_t end) {
+      for (std::size_t slot = begin; slot < end; ++slot) {
+        x_[slot] = points_[slot];
+        step_[slot] = {0, 0, 0};
       }
+    });
+  }
+
+  absl::Status UseJacobiWeights() {
+    weights_.resize(x_.size());
+    LIMN_RETURN_IF_ERROR(limit_.Diagonal(context_, absl::MakeSpan(weights_)));
+    return ParallelFor(context_, x_.size(), [&](std::size_t begin, std::size_t end) {
+      for (std::size_t slot = begin; slot < end; ++slot) weights_[slot] = 1 / weights_[slot];
     });
   }
 
   // *largest: largest move of a coordinate.
   absl::Status Sweep(const SweepFactors& factors, double* largest) {
-    LIMN_RETURN_IF_ERROR(FaceCentroids(context_, problem_.mesh, x_, absl::MakeSpan(centroids_)));
-    const absl::Span<Vec3> out = in_place_ ? x_ : absl::MakeSpan(next_);
-    LIMN_RETURN_IF_ERROR(ParallelMax(
-        context_, x_.size(), 0,
-        [&](std::size_t begin, std::size_t end) {
-          double most = 0;
-          for (std::size_t v = begin; v < end; ++v) {
-            const double gain = weights_.empty() ? factors.gain : factors.gain * weights_[v];
-            step_[v] = factors.momentum * step_[v] + gain * Residual(v);
-            out[v] = x_[v] + step_[v];
-            most = std::max(most, MaxAbs(step_[v]));
-          }
-          return most;
-        },
-        largest));
-    if (in_place_) return absl::OkStatus();
-    return ParallelFor(context_, x_.size(), [&](std::size_t begin, std::size_t end) {
-      std::copy(next_.begin() + static_cast<std::ptrdiff_t>(begin),
-                next_.begin() + static_cast<std::ptrdiff_t>(end), x_.begin() + begin);
-    });
-  }
-
-  // Uses each new point at once; centroids follow by the part that changed.
-  absl::Status GaussSeidelSweep(double* largest) {
-    const HalfEdgeMesh& mesh = problem_.mesh;
-    LIMN_RETURN_IF_ERROR(FaceCentroids(context_, mesh, x_, absl::MakeSpan(centroids_)));
-    *largest = 0;
-    for (std::size_t v = 0; v < x_.size(); ++v) {
-      if (v % kDefaultGrain == 0) LIMN_RETURN_IF_ERROR(context_.Check());
-      const Vec3 move = weights_[v] * Residual(v);
-      x_[v] += move;
-      *largest = std::max(*largest, MaxAbs(move));
-      for (Index i = mesh.fan_begin()[v]; i < mesh.fan_begin()[v + 1]; ++i) {
-        const Index f = mesh.face()[mesh.fan()[i]];
-        centroids_[f] += (1.0 / (mesh.face_begin()[f + 1] - mesh.face_begin()[f])) * move;
-      }
+    LIMN_RETURN_IF_ERROR(limit_.FaceCentroids(context_, x_, absl::MakeSpan(centroids_)));
+    Vec3* const out = next_.empty() ? x_.data() : next_.data();
+    const Vec3* const x = x_.data();
+    const Vec3* const points = points_.data();
+    Vec3* const steps = step_.data();
+    const auto update = [=](Index slot, const Vec3& limit, double gain) {
+      const Vec3 step = factors.momentum * steps[slot] + gain * (points[slot] - limit);
+      steps[slot] = step;
+      out[slot] = x[slot] + step;
+      return MaxAbs(step);
+    };
+    if (weights_.empty()) {
+      LIMN_RETURN_IF_ERROR(limit_.VisitLimits(
+          context_, x, centroids_.data(),
+          [=](Index slot, const Vec3& limit) { return update(slot, limit, factors.gain); },
+          largest));
+    } else {
+      const double* const weights = weights_.data();
+      LIMN_RETURN_IF_ERROR(limit_.VisitLimits(
+          context_, x, centroids_.data(),
+          [=](Index slot, const Vec3& limit) { return update(slot, limit, weights[slot]); },
+          largest));
     }
+    if (!next_.empty()) x_.swap(next_);
     return absl::OkStatus();
   }
 
   // Largest coordinate of I - L x, from x alone.
   absl::Status TrueResidual(double* largest) {
-    LIMN_RETURN_IF_ERROR(FaceCentroids(context_, problem_.mesh, x_, absl::MakeSpan(centroids_)));
-    return ParallelMax(
-        context_, x_.size(), 0,
-        [&](std::size_t begin, std::size_t end) {
-          double most = 0;
-          for (std::size_t v = begin; v < end; ++v) most = std::max(most, MaxAbs(Residual(v)));
-          return most;
-        },
-        largest);
+    LIMN_RETURN_IF_ERROR(limit_.FaceCentroids(context_, x_, absl::MakeSpan(centroids_)));
+    return limit_.VisitLimits(
+        context_, x_.data(), centroids_.data(),
+        [&](Index slot, const Vec3& limit) { return MaxAbs(points_[slot] - limit); }, largest);
   }
+
+  absl::Status SetX(absl::Span<const Vec3> x) {
+    return limit_.ToSlots(context_, x, absl::MakeSpan(x_));
+  }
+  absl::Status GetX(absl::Span<Vec3> x) const { return limit_.FromSlots(context_, x_, x); }
 
  private:
-  Vec3 Residual(std::size_t v) const {
-    return problem_.points[v] -
-           LimitPoint(problem_.mesh, problem_.stencil.row(v), x_, centroids_, v);
-  }
-
   const Context& context_;
-  const SolveProblem& problem_;
-  absl::Span<Vec3> x_;
+  const LimitOperator& limit_;
+  Buffer<Vec3> points_;
+  Buffer<Vec3> x_;
   Buffer<Vec3> centroids_;
   Buffer<Vec3> step_;
   Buffer<Vec3> next_;
-  // Inverse diagonal of L, for Jacobi and Gauss-Seidel.
+  // Inverse diagonal of L, for Jacobi.
   Buffer<double> weights_;
-  bool in_place_;
 };
 
 // The factors of sweep 0, 1, 2 ... of the Chebyshev semi-iteration for a spectrum within
@@ -156,6 +132,24 @@ class ChebyshevFactors {
   bool first_ = true;
 };
 
+// Sweeps until the largest move is small enough [ZC section 3.4, step 2].
+template <class SweepFunction>
+absl::Status Iterate(const Context& context, double scale, const SolveOptions& options,
+                     const SweepFunction& sweep, SolveReport* report) {
+  while (report->sweeps < options.max_sweeps && !report->converged) {
+    double largest = 0;
+    LIMN_RETURN_IF_ERROR(sweep(&largest));
+    ++report->sweeps;
+    report->last_update = largest / scale;
+    report->converged = report->last_update <= options.tolerance;
+    context.Report({.stage = "solve",
+                    .fraction = static_cast<double>(report->sweeps) / options.max_sweeps,
+                    .sweep = report->sweeps,
+                    .update = report->last_update});
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::Status ValidateSolveOptions(const SolveOptions& options) {
@@ -180,26 +174,28 @@ absl::StatusOr<SolveReport> Solve(const Context& context, const SolveProblem& pr
   LIMN_RETURN_IF_ERROR(ValidateSolveOptions(options));
   SolveReport report;
   report.method = options.method;
-  const bool serial = options.method == SolveMethod::kGaussSeidel;
-  Sweeper sweeper(context, problem, solution);
-  LIMN_RETURN_IF_ERROR(sweeper.Start(options.method != SolveMethod::kChebyshev, !serial));
-  ChebyshevFactors chebyshev(problem.stencil.spectrum_low, problem.stencil.spectrum_high);
-  while (report.sweeps < options.max_sweeps && !report.converged) {
-    double largest = 0;
-    if (serial) {
-      LIMN_RETURN_IF_ERROR(sweeper.GaussSeidelSweep(&largest));
-    } else {
-      const SweepFactors factors =
-          options.method == SolveMethod::kChebyshev ? chebyshev.Next() : SweepFactors{};
-      LIMN_RETURN_IF_ERROR(sweeper.Sweep(factors, &largest));
-    }
-    ++report.sweeps;
-    report.last_update = largest / problem.scale;
-    report.converged = report.last_update <= options.tolerance;
-    context.Report({.stage = "solve",
-                    .fraction = static_cast<double>(report.sweeps) / options.max_sweeps,
-                    .sweep = report.sweeps,
-                    .update = report.last_update});
+  LIMN_ASSIGN_OR_RETURN(const LimitOperator limit,
+                        LimitOperator::Make(context, problem.mesh, problem.stencil));
+  Sweeper sweeper(context, limit);
+  LIMN_RETURN_IF_ERROR(sweeper.Start(problem.points));
+  if (options.method == SolveMethod::kGaussSeidel) {
+    std::copy(problem.points.begin(), problem.points.end(), solution.begin());
+    GaussSeidel serial(problem.mesh, problem.stencil, problem.points, solution);
+    LIMN_RETURN_IF_ERROR(Iterate(
+        context, problem.scale, options,
+        [&](double* largest) { return serial.Sweep(context, largest); }, &report));
+    LIMN_RETURN_IF_ERROR(sweeper.SetX(solution));
+  } else {
+    const bool chebyshev = options.method == SolveMethod::kChebyshev;
+    if (!chebyshev) LIMN_RETURN_IF_ERROR(sweeper.UseJacobiWeights());
+    ChebyshevFactors factors(limit.spectrum_low(), limit.spectrum_high());
+    LIMN_RETURN_IF_ERROR(Iterate(
+        context, problem.scale, options,
+        [&](double* largest) {
+          return sweeper.Sweep(chebyshev ? factors.Next() : SweepFactors{}, largest);
+        },
+        &report));
+    LIMN_RETURN_IF_ERROR(sweeper.GetX(solution));
   }
   LIMN_RETURN_IF_ERROR(sweeper.TrueResidual(&report.residual));
   report.residual /= problem.scale;

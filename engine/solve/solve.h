@@ -48,9 +48,11 @@ struct SolveReport {
   double residual = 0;
 };
 
-// What to solve: arrays belong to the caller and must outlive the call.
+// What to solve. Everything belongs to the caller and must outlive the call.
 struct SolveProblem {
+  // From HalfEdgeMesh::Build.
   const HalfEdgeMesh& mesh;
+  // L.
   const LimitStencil& stencil;
   // I, one point per vertex.
   absl::Span<const Vec3> points;
@@ -64,7 +66,8 @@ struct SolveProblem {
 // CANCELLED and DEADLINE_EXCEEDED, seen in every chunk of every sweep (Gauss-Seidel: every
 // kDefaultGrain vertices); `solution` is then undefined. Progress: stage "solve", after each sweep.
 //
-// Cost: sweeps + 1 passes over corners; memory of one point per face and two per vertex.
+// Cost: sweeps + 1 passes over corners; memory of one point per face, three per vertex and two
+// indices per corner.
 // Same bits for any number of threads. Thread-safe.
 [[nodiscard]] absl::StatusOr<SolveReport> Solve(const Context& context, const SolveProblem& problem,
                                                 const SolveOptions& options,

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "absl/status/status.h"
 #include "limn/v1/mesh.pb.h"
@@ -21,7 +22,7 @@ inline constexpr std::size_t kMaxChunkBytes = std::size_t{1} << 20;
 // Cuts bytes into chunks. The bytes must outlive it. An empty string gives no chunk.
 class ChunkReader {
  public:
-  // chunk_bytes: 1 to kMaxChunkBytes.
+  // chunk_bytes: 1 to kMaxChunkBytes; values outside are taken as the nearer end.
   explicit ChunkReader(std::string_view bytes, std::size_t chunk_bytes = std::size_t{512} << 10);
   // Fills the next chunk; false when there is none left.
   bool Next(v1::MeshChunk* chunk);
@@ -30,7 +31,6 @@ class ChunkReader {
   std::string_view bytes_;
   std::size_t chunk_bytes_;
   std::size_t offset_ = 0;
-  std::uint64_t checksum_ = 0;
 };
 
 // Puts chunks together again. Memory grows with what has arrived, not with what was claimed.
@@ -40,8 +40,8 @@ class ChunkAssembler {
   explicit ChunkAssembler(std::uint64_t expected_bytes);
 
   // Takes the next chunk. Errors: MALFORMED_REQUEST for a gap, an overlap, an empty or too large
-  // chunk, more bytes than announced, a last chunk too early, a chunk after the last;
-  // CHECKSUM_MISMATCH.
+  // chunk, more bytes than announced, a last chunk too early, a chunk after the last, all bytes
+  // without a last chunk; CHECKSUM_MISMATCH; OUT_OF_MEMORY. After an error nothing more is taken.
   [[nodiscard]] absl::Status Add(const v1::MeshChunk& chunk);
 
   // Whether the last chunk has come.

@@ -2,23 +2,39 @@
 // The one map between errors of the engine and gRPC status. Details travel as google.rpc.Status in
 // the trailer "grpc-status-details-bin": ErrorInfo with every error, BadRequest for bad input,
 // RetryInfo for RESOURCE_EXHAUSTED by a queue and for UNAVAILABLE.
+//
+// ErrorInfo.metadata holds "field", "index" and "remedy" where the error has them, and "limit" (the
+// field again) with LIMIT_EXCEEDED.
 #pragma once
 
 #include <grpcpp/support/status.h>
+
+#include <string_view>
 
 #include "absl/status/status.h"
 #include "limn/v1/error_details.pb.h"
 
 namespace limn::wire {
 
-// An error, or ok, as gRPC says it. Thread-safe.
+// Field of a LIMIT_EXCEEDED error that passes by itself: the queue is full. Only with this field
+// does a RESOURCE_EXHAUSTED carry RetryInfo.
+inline constexpr std::string_view kQueueField = "queue";
+
+// What RetryInfo tells, in seconds.
+inline constexpr int kRetryDelaySeconds = 1;
+
+// An error, or ok, as gRPC says it. Messages travel in trailers, which are small: they are cut
+// after 1 KiB, and bytes outside of ASCII become '?'. Thread-safe.
 [[nodiscard]] grpc::Status ToGrpcStatus(const absl::Status& status);
 
-// The same as a message, for errors inside a stream.
+// The same as a message, for errors inside a stream. Code 0 and nothing else for ok.
 [[nodiscard]] v1::RichStatus ToRichStatus(const absl::Status& status);
 
 // Back again: message, code and, when the details came along, the engine's ErrorDetail (reason,
-// field, index). Any other program's status is kept with its code.
+// field, index, remedy). Any other program's status is kept with its code and message.
 [[nodiscard]] absl::Status FromGrpcStatus(const grpc::Status& status);
+
+// The same for errors inside a stream.
+[[nodiscard]] absl::Status FromRichStatus(const v1::RichStatus& status);
 
 }  // namespace limn::wire

@@ -39,9 +39,8 @@ class EveryKindE2e : public InterpolateE2e, public testing::WithParamInterface<c
 TEST_P(EveryKindE2e, SurfacePassesThroughEveryGivenVertexInOrder) {
   const ServerProcess server(space_);
   const std::string given_path = Generate(GetParam(), "1000");
-  const RunResult run =
-      space_.Limn({"interpolate", given_path, "--server", server.address(), "-o", At("s.obj"),
-                   "--control-mesh", At("c.obj")});
+  const RunResult run = space_.Limn({"interpolate", given_path, "--server", server.address(), "-o",
+                                     At("s.obj"), "--control-mesh", At("c.obj")});
   ASSERT_EQ(run.status, 0) << run.errors << server.Log();
 
   const ObjFile given = ReadObj(given_path);
@@ -66,9 +65,8 @@ TEST_F(InterpolateE2e, VerticesAreInterpolatedWhateverTheSolverAndItsTolerance) 
   const std::string given_path = Generate("irregular_sphere", "500");
   const ObjFile given = ReadObj(given_path);
   const std::vector<std::vector<std::string>> variants = {
-      {"--tolerance", "0.5"}, {"--max-sweeps", "0"},        {"--solver", "jacobi"},
-      {"--level", "0"},       {"--solver", "gauss-seidel"}, {"--level", "3"},
-      {"--encoding", "draco"}};
+      {"--tolerance", "0.5"},       {"--max-sweeps", "0"}, {"--solver", "jacobi"}, {"--level", "0"},
+      {"--solver", "gauss-seidel"}, {"--level", "3"},      {"--encoding", "draco"}};
   for (const auto& variant : variants) {
     std::vector<std::string> arguments = {"interpolate", given_path, "-o", At("s.obj")};
     arguments.insert(arguments.end(), variant.begin(), variant.end());
@@ -104,9 +102,9 @@ TEST_F(InterpolateE2e, ObjKeepsSeventeenDigitsThroughTheWholeWay) {
       "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n";
   WriteAll(At("in.obj"), text);
   for (const std::string encoding : {"packed", "draco"}) {
-    const RunResult run = space_.Limn({"interpolate", At("in.obj"), "--max-sweeps", "0", "-o",
-                                       At("s.obj"), "--encoding", encoding, "--control-mesh",
-                                       At("c.obj")});
+    const RunResult run =
+        space_.Limn({"interpolate", At("in.obj"), "--max-sweeps", "0", "-o", At("s.obj"),
+                     "--encoding", encoding, "--control-mesh", At("c.obj")});
     ASSERT_EQ(run.status, 0) << run.errors;
     const ObjFile in = ReadObj(At("in.obj"));
     const ObjFile control = ReadObj(At("c.obj"));
@@ -127,8 +125,8 @@ TEST_F(InterpolateE2e, ObjHasAUnitNormalForEveryVertex) {
 
 TEST_F(InterpolateE2e, ReportIsTheSummaryInJson) {
   const std::string given_path = Generate("irregular_sphere", "2000");
-  const RunResult run = space_.Limn({"interpolate", given_path, "-o", At("s.obj"), "--report",
-                                     At("report.json")});
+  const RunResult run =
+      space_.Limn({"interpolate", given_path, "-o", At("s.obj"), "--report", At("report.json")});
   ASSERT_EQ(run.status, 0) << run.errors;
   v1::Summary summary;
   const auto parsed =
@@ -160,8 +158,8 @@ TEST_F(InterpolateE2e, TheCertificateTellsWhatQuantisationCosts) {
                    "--encoding", "draco-quantized", "--quantization-bits", "12"});
   ASSERT_EQ(run.status, 0) << run.errors;
   v1::Summary summary;
-  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(ReadAll(At("report.json")), &summary)
-                  .ok());
+  ASSERT_TRUE(
+      google::protobuf::util::JsonStringToMessage(ReadAll(At("report.json")), &summary).ok());
   const ObjFile given = ReadObj(given_path);
   const double measured = LargestDistance(given, ReadObj(At("s.obj")));
   EXPECT_GT(measured, 1e-8 * Diagonal(given));
@@ -182,8 +180,8 @@ TEST_F(InterpolateE2e, OneRunWritesSeveralFormats) {
 TEST_F(InterpolateE2e, EveryFormatThatIsWrittenIsReadAgain) {
   for (const std::string extension : {"obj", "off", "ply", "stl"}) {
     const std::string given = At("given." + extension);
-    const RunResult made = space_.Limn({"generate", "irregular_sphere", "--vertices", "300", "-o",
-                                        given});
+    const RunResult made =
+        space_.Limn({"generate", "irregular_sphere", "--vertices", "300", "-o", given});
     ASSERT_EQ(made.status, 0) << extension << ": " << made.errors;
     const RunResult run = space_.Limn({"interpolate", given, "-o", At("s." + extension)});
     EXPECT_EQ(run.status, 0) << extension << ": " << run.errors;

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+// Where a job goes: to a server elsewhere, or to one inside this process.
+#include "client/cli/connection.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <string_view>
+#include <utility>
+
+#include <CLI/Validators.hpp>
+
+#include "engine/base/error.h"
+#include "server/limits.h"
+
+namespace limn::cli {
+namespace {
+
+// A year: longer than any job, and far from the ends of a clock.
+constexpr double kLongestDeadline = 365.0 * 24 * 3600;
+
+// Empty if the text is HOST:PORT. Whether the host exists is seen when it is called.
+std::string CheckServerAddress(const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  const std::string_view port =
+      colon == std::string::npos ? std::string_view() : std::string_view(text).substr(colon + 1);
+  unsigned number = 0;
+  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), number);
+  if (colon == 0 || error != std::errc() || end != port.data() + port.size() || number < 1 ||
+      number > 65535) {
+    return "must be HOST:PORT, such as 127.0.0.1:7410; got '" + text + "'";
+  }
+  return {};
+}
+
+// Empty if the text is a sensible number of seconds. CLI::Range lets NaN pass.
+std::string CheckDeadline(const std::string& text) {
+  double seconds = 0;
+  if (!CLI::detail::lexical_cast(text, seconds) || !(seconds > 0 && seconds <= kLongestDeadline)) {
+    return "must be a number of seconds greater than 0; got '" + text + "'";
+  }
+  return {};
+}
+
+// Bytes of memory of this machine.
+std::uint64_t PhysicalMemory() {
+  const long pages = sysconf(_SC_PHYS_PAGES);
+  const long page_bytes = sysconf(_SC_PAGESIZE);
+  if (pages <= 0 || page_bytes <= 0) return UINT64_MAX;
+  return static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_bytes);
+}
+
+// One's own machine needs no protection from oneself, except from jobs that cannot fit into it.
+ServerLimits EmbeddedLimits() {
+  ServerLimits limits;
+  const std::uint64_t memory = PhysicalMemory();
+  for (const LimitEntry& entry : LimitTable()) {
+    if (entry.unit == "bytes" && entry.value != &ServerLimits::max_message_bytes) {
+      limits.*entry.value = std::min(entry.most, memory);
+    } else if (entry.unit == "vertices" || entry.unit == "corners" || entry.unit == "refinements") {
+      limits.*entry.value = entry.most;
+    }
+  }
+  return limits;
+}
+
+}  // namespace
+
+void AddConnectionFlags(CLI::App& app, ConnectionOptions* options) {
+  CLI::Option* server =
+      app.add_option("--server", options->server,
+                     "Server to send the job to; without, the job runs inside this process")
+          ->check(CLI::Validator(CheckServerAddress, "", "address"))
+          ->type_name("HOST:PORT");
+  app.add_option("--threads", options->threads,
+                 "Threads to compute on, without --server [one per processor]")
+      ->check(CLI::Range(1, 1024))
+      ->excludes(server)
+      ->type_name("N");
+  app.add_option("--deadline", options->deadline_seconds, "Seconds that the job may take")
+      ->check(CLI::Validator(CheckDeadline, "", "deadline"))
+      ->type_name("S");
+}
+
+absl::StatusOr<Connection> Connection::Open(const ConnectionOptions& options) {
+  const ClientOptions client_options = {.deadline_seconds = options.deadline_seconds.value_or(0)};
+  if (!options.server.empty()) {
+    return Connection(nullptr, Client::Connect(options.server, client_options));
+  }
+  ServerOptions server_options;
+  server_options.threads = options.threads;
+  server_options.limits = EmbeddedLimits();
+  LIMN_ASSIGN_OR_RETURN(std::unique_ptr<Server> embedded, Server::Start(server_options));
+  Client client(embedded->InProcessChannel(), client_options);
+  return Connection(std::move(embedded), std::move(client));
+}
+
+}  // namespace limn::cli

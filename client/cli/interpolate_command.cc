@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+// `limn interpolate`: a mesh file in, its limit surface and control mesh out.
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/App.hpp>
+
+#include "client/cli/commands.h"
+#include "client/cli/connection.h"
+#include "client/cli/interrupt_watcher.h"
+#include "client/cli/job_options.h"
+#include "client/cli/job_runner.h"
+#include "client/cli/outputs.h"
+#include "client/cli/progress_bar.h"
+#include "client/cli/report.h"
+#include "client/io/mesh_reader.h"
+#include "engine/base/error.h"
+
+namespace limn::cli {
+namespace {
+
+struct InterpolateFlags {
+  std::string input;
+  OutputPaths outputs;
+  JobOptions job;
+  ConnectionOptions connection;
+  bool quiet = false;
+};
+
+ExitStatus Interrupted() {
+  PrintError("interrupted; nothing was written");
+  return ExitStatus::kInterrupted;
+}
+
+// The job's failure, with the server's address where that is what is wrong.
+ExitStatus FailAt(const std::string& server, const absl::Status& status) {
+  const auto detail = GetErrorDetail(status);
+  const bool from_limn = detail && detail->reason == Reason::kShuttingDown;
+  if (server.empty() || status.code() != absl::StatusCode::kUnavailable || from_limn) {
+    return FailWithJob(status);
+  }
+  PrintError("no answer from " + server + " (" + std::string(status.message()) +
+             "); start limnd there, or leave --server out");
+  return ExitStatus::kServer;
+}
+
+ExitStatus Run(const InterpolateFlags& flags) {
+  absl::Status status = CheckOutputs(flags.outputs, flags.input);
+  if (!status.ok()) return FailWithOption(status);
+
+  ProgressBar bar(!flags.quiet);
+  JobCanceller canceller;
+  const InterruptWatcher watcher([&canceller] { canceller.Cancel(); });
+  bar.Show("read", 0);
+  absl::StatusOr<PolygonMesh> mesh = ReadMeshFile(flags.input);
+  if (canceller.cancelled()) return Interrupted();
+  bar.Clear();
+  if (!mesh.ok()) return FailWithFile(mesh.status());
+
+  const WantedOutputs wanted = {.surface = !flags.outputs.surfaces.empty(),
+                                .control_mesh = !flags.outputs.control_mesh.empty()};
+  absl::StatusOr<Connection> connection = Connection::Open(flags.connection);
+  if (!connection.ok()) return FailWithJob(connection.status());
+  const absl::StatusOr<JobResult> result = RunJob(
+      connection->client(), {MakeJobHeader(flags.job, wanted), *std::move(mesh)}, &bar, &canceller);
+  bar.Clear();
+  if (canceller.cancelled()) return Interrupted();
+  if (!result.ok()) return FailAt(flags.connection.server, result.status());
+
+  bar.Show("write", 0);
+  status = WriteOutputs(flags.outputs, *result);
+  bar.Clear();
+  if (!status.ok()) return FailWithFile(status);
+  if (!flags.quiet) std::fputs(SummaryTable(result->summary).c_str(), stdout);
+  return ExitStatus::kOk;
+}
+
+}  // namespace
+
+void AddInterpolateCommand(CLI::App& app, ExitStatus* status) {
+  CLI::App* command = app.add_subcommand(
+      "interpolate", "Find the smooth surface that passes through every vertex of a mesh");
+  const auto flags = std::make_shared<InterpolateFlags>();
+  command->add_option("IN", flags->input, "Closed mesh: .obj, .off, .ply or .stl")->required();
+  command
+      ->add_option("-o,--output", flags->outputs.surfaces,
+                   "The tessellated surface: .obj, .off, .ply, .stl or .glb; may be given again "
+                   "for further formats")
+      ->type_name("OUT")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command
+      ->add_option("--control-mesh", flags->outputs.control_mesh,
+                   "The control mesh, with the input's faces in their order")
+      ->type_name("FILE");
+  command
+      ->add_option("--report", flags->outputs.report,
+                   "The summary (limn.v1.Summary) as JSON: sizes, sweeps, errors, times")
+      ->type_name("FILE.json");
+  AddJobFlags(*command, &flags->job);
+  AddConnectionFlags(*command, &flags->connection);
+  command->add_flag("-q,--quiet", flags->quiet, "No table and no progress bar");
+  command->callback([flags, status] { *status = Run(*flags); });
+}
+
+}  // namespace limn::cli

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+// Runs one job to its end, with a progress bar, and lets another thread stop it.
+#pragma once
+
+#include <mutex>
+
+#include "absl/status/statusor.h"
+#include "client/cli/progress_bar.h"
+#include "client/client.h"
+
+namespace limn::cli {
+
+// Carries the wish to stop from a signal's thread to the job, whenever it comes. Thread-safe.
+class JobCanceller {
+ public:
+  // Cancels the job that runs, and any that starts later.
+  void Cancel();
+  bool cancelled() const;
+
+  // The job that Cancel() cancels from now on; none for nullptr.
+  void Attach(ClientJob* job);
+
+ private:
+  mutable std::mutex mutex_;
+  bool cancelled_ = false;
+  ClientJob* job_ = nullptr;
+};
+
+// A job's two halves.
+struct JobInput {
+  v1::InterpolateHeader header;
+  PolygonMesh mesh;
+};
+
+// Submits, shows progress, puts the answer together. Errors: those of Client::Submit and of the
+// server; CANCELLED after canceller->Cancel(); MALFORMED_REQUEST when the answer makes no sense.
+[[nodiscard]] absl::StatusOr<JobResult> RunJob(const Client& client, JobInput input,
+                                               ProgressBar* bar, JobCanceller* canceller);
+
+}  // namespace limn::cli

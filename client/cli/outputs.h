@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+// The files that `limn interpolate` writes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "client/client.h"
+
+namespace limn::cli {
+
+struct OutputPaths {
+  // One surface in as many formats as wanted.
+  std::vector<std::string> surfaces;
+  // Empty: not wanted.
+  std::string control_mesh;
+  std::string report;
+};
+
+// Whether all of them can be written, before any work is done. input: which must not be among
+// them. Errors: those of CheckWritable; INVALID_OPTION for a file that is named twice.
+[[nodiscard]] absl::Status CheckOutputs(const OutputPaths& paths, const std::string& input);
+
+// Writes all of them or none. Errors: those of the writers.
+[[nodiscard]] absl::Status WriteOutputs(const OutputPaths& paths, const JobResult& result);
+
+}  // namespace limn::cli

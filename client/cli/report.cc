@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+// A job's summary, for a person and for a program.
+#include "client/cli/report.h"
+
+#include <google/protobuf/util/json_util.h>
+
+#include <string_view>
+
+#include "absl/strings/str_format.h"
+
+namespace limn::cli {
+namespace {
+
+std::string Row(std::string_view name, const std::string& value) {
+  return absl::StrFormat("%-22s %s\n", name, value);
+}
+
+std::string_view MethodName(v1::SolveOptions::Method method) {
+  switch (method) {
+    case v1::SolveOptions::METHOD_JACOBI:
+      return "Jacobi";
+    case v1::SolveOptions::METHOD_GAUSS_SEIDEL:
+      return "Gauss-Seidel";
+    case v1::SolveOptions::METHOD_CHEBYSHEV:
+      return "Chebyshev";
+    default:
+      return "other";
+  }
+}
+
+std::string SolveText(const v1::SolveReport& solve) {
+  return absl::StrFormat("%u (%s, %s, residual %.1e of the bounding box)", solve.sweeps(),
+                         MethodName(solve.method()),
+                         solve.converged() ? "converged" : "tolerance not met", solve.residual());
+}
+
+std::string ErrorText(const v1::Certificate& certificate) {
+  const double diagonal = certificate.bounding_box_diagonal();
+  return absl::StrFormat("%.2e (%.1e of the bounding box) over %s vertices",
+                         certificate.max_error(),
+                         diagonal > 0 ? certificate.max_error() / diagonal : 0.0,
+                         WithCommas(certificate.points_checked()));
+}
+
+}  // namespace
+
+std::string WithCommas(std::uint64_t value) {
+  std::string digits = std::to_string(value);
+  for (std::size_t at = digits.size(); at > 3; at -= 3) digits.insert(at - 3, 1, ',');
+  return digits;
+}
+
+std::string SummaryTable(const v1::Summary& summary) {
+  std::string table;
+  table += Row("given vertices", WithCommas(summary.input_vertices()));
+  table += Row("given faces", WithCommas(summary.input_faces()));
+  if (summary.surface_vertices() > 0) {
+    table += Row("surface vertices", WithCommas(summary.surface_vertices()));
+    table += Row("surface faces", WithCommas(summary.surface_faces()) +
+                                      absl::StrFormat(" (level %u)", summary.level()));
+  }
+  table += Row("sweeps", SolveText(summary.solve()));
+  if (summary.certificate().points_checked() > 0) {
+    table += Row("largest error", ErrorText(summary.certificate()));
+  }
+  for (const v1::StageTime& stage : summary.stages()) {
+    table += Row("  " + stage.stage(), absl::StrFormat("%10.3f ms", stage.milliseconds()));
+  }
+  table += Row("bytes to the server", WithCommas(summary.bytes_received()));
+  table += Row("bytes from the server", WithCommas(summary.bytes_sent()));
+  return table;
+}
+
+absl::StatusOr<std::string> SummaryJson(const v1::Summary& summary) {
+  google::protobuf::util::JsonPrintOptions options;
+  options.add_whitespace = true;
+  options.always_print_primitive_fields = true;
+  std::string json;
+  const auto status = google::protobuf::util::MessageToJsonString(summary, &json, options);
+  if (!status.ok()) return absl::InternalError("the report cannot be put into JSON");
+  return json;
+}
+
+}  // namespace limn::cli

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+// The operator L of a limit stencil on a mesh, matrix-free: gather face centroids, then gather per
+// vertex. Points and centroids are kept in an order of the operator's own ("slots") in which both
+// gathers run fast; see GatherPlan.
+#pragma once
+
+#include <cstddef>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/types/span.h"
+#include "engine/base/buffer.h"
+#include "engine/base/context.h"
+#include "engine/base/vec3.h"
+#include "engine/mesh/half_edge_mesh.h"
+#include "engine/scheme/gather_plan.h"
+#include "engine/scheme/limit_stencil.h"
+
+namespace limn {
+
+// Thread-safe once made.
+class LimitOperator {
+ public:
+  // mesh: from HalfEdgeMesh::Build, not needed afterwards. Errors: CANCELLED, DEADLINE_EXCEEDED,
+  // as for every function below. Cost: a few passes over corners; two indices a corner are kept.
+  [[nodiscard]] static absl::StatusOr<LimitOperator> Make(const Context& context,
+                                                          const HalfEdgeMesh& mesh,
+                                                          const LimitStencil& stencil);
+
+  std::size_t vertex_count() const { return vertices_.size(); }
+  std::size_t face_count() const { return faces_.size(); }
+  double spectrum_low() const { return stencil_.spectrum_low; }
+  double spectrum_high() const { return stencil_.spectrum_high; }
+  // Whether limit points see neighbours' points directly, not through centroids only.
+  bool uses_edges() const { return stencil_.uses_edges(); }
+
+  // slots[slot of v] = points[v], and back.
+  [[nodiscard]] absl::Status ToSlots(const Context& context, absl::Span<const Vec3> points,
+                                     absl::Span<Vec3> slots) const;
+  [[nodiscard]] absl::Status FromSlots(const Context& context, absl::Span<const Vec3> slots,
+                                       absl::Span<Vec3> points) const;
+
+  // centroids: mean of the points of each face's corners. points: one per vertex, in slots;
+  // centroids: one per face, in slots. Cost: one pass over corners.
+  [[nodiscard]] absl::Status FaceCentroids(const Context& context, absl::Span<const Vec3> points,
+                                           absl::Span<Vec3> centroids) const;
+
+  // Calls visit(slot, limit point) for every vertex, given points and their centroids, all in
+  // slots. *largest becomes the largest value that visit returned, and at least 0.
+  template <class Visit>
+  [[nodiscard]] absl::Status VisitLimits(const Context& context, const Vec3* points,
+                                         const Vec3* centroids, const Visit& visit,
+                                         double* largest) const {
+    return vertices_.MaxOverRuns(
+        context,
+        [&](const GatherPlan::Run& run) {
+          double most = 0;
+          const LimitRow row = stencil_.rows[run.kind];
+          const double faces = row.faces / run.length;
+          if (row.edges == 0) {
+            vertices_.VisitSums(run, centroids, [&](Index slot, const Vec3& sum) {
+              most = std::max(most, visit(slot, row.vertex * points[slot] + faces * sum));
+            });
+            return most;
+          }
+          // Interior vertices: as many edges as faces.
+          const double edges = row.edges / run.length;
+          vertices_.VisitSums(run, centroids, [&](Index slot, const Vec3& sum) {
+            const Index* neighbour =
+                neighbours_.data() + run.item + (slot - run.begin) * run.length;
+            Vec3 around = points[neighbour[0]];
+            for (Index i = 1; i < run.length; ++i) around += points[neighbour[i]];
+            most = std::max(most,
+                            visit(slot, row.vertex * points[slot] + faces * sum + edges * around));
+          });
+          return most;
+        },
+        largest);
+  }
+
+  // The diagonal of L, the weight of each vertex's own point in its limit point, in slots.
+  [[nodiscard]] absl::Status Diagonal(const Context& context, absl::Span<double> diagonal) const;
+
+ private:
+  LimitOperator() = default;
+
+  LimitStencil stencil_;
+  GatherPlan faces_;
+  GatherPlan vertices_;
+  // Neighbour along each half-edge of the fans, at the places of the vertices' indices. Empty when
+  // the stencil does not use edges.
+  Buffer<Index> neighbours_;
+  Buffer<double> inverse_arity_;
+};
+
+}  // namespace limn

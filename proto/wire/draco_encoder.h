@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// Meshes and tiles -> Draco bytes. The draco::Mesh is built directly: Draco's own OBJ reader and
+// writer merge and reorder.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "absl/types/span.h"
+#include "engine/base/vec3.h"
+#include "proto/wire/quantization_grid.h"
+#include "proto/wire/triangulation.h"
+
+namespace limn::wire {
+
+// Names under which Limn's data stand in a Draco mesh; see mesh.proto.
+inline constexpr char kAritiesEntry[] = "limn.arities";
+inline constexpr char kOriginalIdName[] = "original_id";
+inline constexpr char kAddedEdgesName[] = "added_edges";
+
+// What is encoded. Indices are in range and arities 3 or more.
+struct DracoInput {
+  PolygonView faces;
+  // One per vertex.
+  absl::Span<const Vec3> positions;
+  // One per vertex, or none.
+  absl::Span<const Vec3> normals;
+  // Number that each vertex is known by, below 2^31. Empty: 0, 1, 2 ...
+  absl::Span<const Index> original_ids;
+};
+
+// Sequential coder, raw float64 positions and float32 normals: lossless, vertices and faces in
+// order. Errors: LIMIT_EXCEEDED beyond Draco's sizes (2^31 vertices or corners); ISOLATED_VERTEX
+// when there are more vertices than triangle corners, which Draco would not read; INTERNAL.
+// Exceptions are the caller's. Cost: linear.
+[[nodiscard]] absl::StatusOr<std::string> EncodeDracoLossless(const DracoInput& input);
+
+// Edgebreaker, positions on the grid, original ids always written. Errors: those of
+// TriangulateMarked; ISOLATED_VERTEX (field "vertices") for a vertex that no face uses, which
+// edgebreaker does not keep; LIMIT_EXCEEDED; INTERNAL. Exceptions are the caller's. Cost: linear.
+[[nodiscard]] absl::StatusOr<std::string> EncodeDracoQuantized(const DracoInput& input,
+                                                               const QuantizationGrid& grid,
+                                                               int bits);
+
+}  // namespace limn::wire

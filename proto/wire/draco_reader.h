@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// Draco's decoder behind a fence: claims are checked before it allocates, attributes before their
+// values are decoded, and the mesh before anybody indexes with what it says.
+#pragma once
+
+#include <draco/mesh/mesh.h>
+
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/types/span.h"
+#include "engine/base/buffer.h"
+#include "engine/mesh/polygon_mesh.h"
+#include "proto/wire/draco_header.h"
+
+namespace limn::wire {
+
+// A decoded triangle mesh. All of its triangles name points that are there (checked; Draco's
+// sequential decoder does not).
+[[nodiscard]] absl::StatusOr<std::unique_ptr<draco::Mesh>> ReadDraco(std::string_view bytes,
+                                                                     const DracoBounds& bounds);
+
+// For each corner the number of the attribute's value. Errors: MALFORMED_ENCODING when a point has
+// no value or the values' buffer is too short.
+[[nodiscard]] absl::StatusOr<Buffer<Index>> CornerValues(const draco::Mesh& mesh,
+                                                         const draco::PointAttribute& attribute);
+
+// The attribute with this metadata name, type and number of components; nullptr without one.
+[[nodiscard]] const draco::PointAttribute* NamedAttribute(const draco::Mesh& mesh, const char* name,
+                                                          draco::DataType type);
+
+}  // namespace limn::wire

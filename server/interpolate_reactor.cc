@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: MIT
+#include "server/interpolate_reactor.h"
+
+#include <random>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "engine/base/error.h"
+#include "proto/wire/status.h"
+#include "server/guard.h"
+
+namespace limn {
+namespace {
+
+// Encoded messages that wait while one is written.
+constexpr std::size_t kMostEncoded = 2;
+constexpr std::chrono::milliseconds kProgressInterval(100);
+
+using Milliseconds = std::chrono::duration<double, std::milli>;
+
+absl::Status Malformed(std::string_view message, std::string_view remedy) {
+  return MakeError(message, {.reason = Reason::kMalformedRequest, .remedy = std::string(remedy)});
+}
+
+std::string MakeRequestId() {
+  thread_local std::mt19937_64 random{std::random_device{}()};
+  return absl::StrFormat("%016x", random());
+}
+
+}  // namespace
+
+InterpolateReactor* InterpolateReactor::Create(ServiceCore& core,
+                                               grpc::CallbackServerContext* context) {
+  auto* reactor = new InterpolateReactor(core, context);
+  reactor->self_.reset(reactor);
+  reactor->Start();
+  return reactor;
+}
+
+InterpolateReactor::InterpolateReactor(ServiceCore& core, grpc::CallbackServerContext* context)
+    : core_(core),
+      context_(context),
+      last_activity_(Clock::now()),
+      request_id_(MakeRequestId()),
+      phase_start_(last_activity_) {}
+
+void InterpolateReactor::Start() {
+  const Lock lock(mutex_);
+  // First registered, then looked: a drain that begins now either finds it or is seen by it.
+  core_.streams.Add(self_);
+  if (core_.draining.load()) {
+    End(MakeError("the server is stopping", {.reason = Reason::kShuttingDown,
+                                             .remedy = "Try another server, or again later"}));
+    return;
+  }
+  StartRead(&request_);
+}
+
+void InterpolateReactor::OnReadDone(bool ok) {
+  const Lock lock(mutex_);
+  if (end_.has_value()) return;
+  last_activity_ = Clock::now();
+  const absl::Status status = Guarded([&] { return ok ? TakeMessage() : EndOfUpload(); });
+  if (!status.ok()) {
+    End(status);
+  } else if (ok) {
+    StartRead(&request_);
+  }
+}
+
+absl::Status InterpolateReactor::TakeMessage() {
+  switch (phase_) {
+    case Phase::kHeader:
+      if (!request_.has_header()) {
+        return Malformed("the stream does not begin with a header", "Send the header first");
+      }
+      return TakeHeader(request_.header());
+    case Phase::kUpload:
+      if (request_.has_header()) {
+        return Malformed("there is a second header", "Use one stream per job");
+      }
+      if (!request_.has_chunk()) {
+        return Malformed("there is an empty message among the mesh's chunks",
+                         "Send chunks after the header");
+      }
+      return TakeChunk(request_.chunk());
+    case Phase::kQueued:
+    case Phase::kRunning:
+    case Phase::kDelivering:
+      break;
+  }
+  return Malformed("there is a message after the last chunk of the mesh",
+                   "End the upload after the last chunk");
+}
+
+absl::Status InterpolateReactor::TakeHeader(const v1::InterpolateHeader& header) {
+  LIMN_ASSIGN_OR_RETURN(spec_, JobSpecFromProto(header));
+  if (spec_.request_id.empty()) spec_.request_id = request_id_;
+  request_id_ = spec_.request_id;
+  LIMN_ASSIGN_OR_RETURN(ticket_, core_.admission.Admit(spec_));
+  upload_.emplace(spec_.mesh.byte_count());
+  phase_ = Phase::kUpload;
+  phase_start_ = Clock::now();
+
+  auto message = std::make_unique<v1::InterpolateResponse>();
+  v1::Accepted* accepted = message->mutable_accepted();
+  accepted->set_request_id(request_id_);
+  accepted->set_server_version(LIMN_VERSION);
+  accepted->set_estimated_bytes(ticket_.memory.bytes());
+  accepted->set_queue_position(static_cast<std::uint32_t>(ticket_.place.position()));
+  encoded_.push_back(std::move(message));
+  TryWrite();
+  return absl::OkStatus();
+}
+
+absl::Status InterpolateReactor::TakeChunk(const v1::MeshChunk& chunk) {
+  LIMN_RETURN_IF_ERROR(upload_->Add(chunk));
+  if (upload_->complete()) Enqueue();
+  return absl::OkStatus();
+}
+
+absl::Status InterpolateReactor::EndOfUpload() const {
+  if (context_->IsCancelled()) return CancelledStatus();
+  switch (phase_) {
+    case Phase::kHeader:
+      return Malformed("the stream ended before the header", "Send a header and the mesh's chunks");
+    case Phase::kUpload:
+      return Malformed(absl::StrCat("the upload ended after ", upload_->bytes().size(), " of ",
+                                    spec_.mesh.byte_count(), " bytes of the mesh"),
+                       "Send all chunks and set `last` on the last one");
+    case Phase::kQueued:
+    case Phase::kRunning:
+    case Phase::kDelivering:
+      break;
+  }
+  return absl::OkStatus();
+}
+
+Context InterpolateReactor::MakeContext() {
+  Context context(EngineLimits(core_.limits));
+  const auto deadline = context_->deadline();
+  if (deadline != std::chrono::system_clock::time_point::max()) {
+    context.set_deadline(Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                            deadline - std::chrono::system_clock::now()));
+  }
+  stop_ = context;
+  context.set_progress([this](const ProgressEvent& event) { TakeProgress(event); });
+  return context;
+}
+
+void InterpolateReactor::Enqueue() {
+  const Clock::time_point now = Clock::now();
+  job_ = std::make_unique<Job>(spec_, MakeContext());
+  job_->AddStage("receive", Milliseconds(now - phase_start_).count());
+  phase_start_ = now;
+  phase_ = Phase::kQueued;
+  ticket_.place.Post([self = shared_from_this()] { self->RunJob(); });
+}
+
+void InterpolateReactor::RunJob() {
+  {
+    const Lock lock(mutex_);
+    if (end_.has_value()) {
+      ticket_.place.Release();
+      return;
+    }
+    phase_ = Phase::kRunning;
+    job_->AddStage("queue", Milliseconds(Clock::now() - phase_start_).count());
+  }
+  // Nobody else touches the job or the upload while it runs.
+  const absl::Status status = Guarded([&] { return job_->Run(upload_->TakeBytes()); });
+
+  const Lock lock(mutex_);
+  ticket_.place.Release();
+  phase_ = Phase::kDelivering;
+  progress_.reset();
+  if (end_.has_value()) return;
+  if (status.ok()) {
+    PumpEncoder();
+  } else {
+    End(status);
+  }
+}
+
+void InterpolateReactor::TakeProgress(const ProgressEvent& event) {
+  const Lock lock(mutex_);
+  if (phase_ != Phase::kRunning || end_.has_value()) return;
+  if (!progress_.has_value()) progress_.emplace();
+  progress_->set_stage(std::string(event.stage));
+  progress_->set_fraction(event.fraction);
+  progress_->set_sweep(event.sweep);
+  progress_->set_residual(event.update);
+  TryWrite();
+}
+
+void InterpolateReactor::PumpEncoder() {
+  if (phase_ != Phase::kDelivering || encoding_ || all_encoded_ || end_.has_value()) return;
+  if (encoded_.size() >= kMostEncoded) return;
+  encoding_ = true;
+  core_.delivery.Post([self = shared_from_this()] { self->EncodeNext(); });
+}
+
+void InterpolateReactor::EncodeNext() {
+  // The job is this task's alone while `encoding_` is set.
+  auto message = std::make_unique<v1::InterpolateResponse>();
+  const absl::StatusOr<bool> more =
+      Guarded([&]() -> absl::StatusOr<bool> { return job_->NextMessage(message.get()); });
+
+  const Lock lock(mutex_);
+  encoding_ = false;
+  if (end_.has_value()) return;
+  if (!more.ok()) {
+    End(more.status());
+    return;
+  }
+  if (*more) {
+    encoded_.push_back(std::move(message));
+  } else {
+    all_encoded_ = true;
+  }
+  TryWrite();
+  PumpEncoder();
+}
+
+void InterpolateReactor::TryWrite() {
+  if (writing_ != nullptr || finished_) return;
+  if (!end_.has_value() && all_encoded_ && encoded_.empty()) end_ = absl::OkStatus();
+  if (end_.has_value()) {
+    finished_ = true;
+    last_activity_ = Clock::now();
+    Finish(wire::ToGrpcStatus(*end_));
+  } else if (!encoded_.empty()) {
+    std::unique_ptr<v1::InterpolateResponse> message = std::move(encoded_.front());
+    encoded_.pop_front();
+    Write(std::move(message));
+  } else if (progress_.has_value() && Clock::now() - last_progress_ >= kProgressInterval) {
+    WriteProgress();
+  }
+}
+
+void InterpolateReactor::WriteProgress() {
+  auto message = std::make_unique<v1::InterpolateResponse>();
+  *message->mutable_progress() = *std::move(progress_);
+  progress_.reset();
+  last_progress_ = Clock::now();
+  Write(std::move(message));
+}
+
+void InterpolateReactor::Write(std::unique_ptr<v1::InterpolateResponse> message) {
+  last_activity_ = Clock::now();
+  writing_ = std::move(message);
+  StartWrite(writing_.get());
+}
+
+void InterpolateReactor::OnWriteDone(bool ok) {
+  const Lock lock(mutex_);
+  writing_.reset();
+  last_activity_ = Clock::now();
+  if (!ok) End(CancelledStatus());
+  TryWrite();
+  PumpEncoder();
+}
+
+void InterpolateReactor::OnCancel() {
+  const Lock lock(mutex_);
+  End(CancelledStatus());
+}
+
+void InterpolateReactor::Stop(const absl::Status& status) {
+  const Lock lock(mutex_);
+  End(status);
+}
+
+absl::Status InterpolateReactor::CancelledStatus() const {
+  if (std::chrono::system_clock::now() >= context_->deadline()) {
+    return MakeError("the job's deadline has passed", {.reason = Reason::kDeadlineExceeded});
+  }
+  return MakeError("the client cancelled or is gone", {.reason = Reason::kCancelled});
+}
+
+// The first reason to end counts. A job that runs gives its place back when it has stopped.
+void InterpolateReactor::End(const absl::Status& status) {
+  if (end_.has_value()) return;
+  end_ = status;
+  stop_.Cancel();
+  encoded_.clear();
+  progress_.reset();
+  if (phase_ != Phase::kRunning) ticket_.place.Release();
+  TryWrite();
+}
+
+void InterpolateReactor::CheckStall(Clock::time_point now) {
+  const Lock lock(mutex_);
+  const auto limit = std::chrono::seconds(core_.limits.stall_seconds);
+  if (done_ || now - last_activity_ < limit) return;
+  if (writing_ != nullptr || finished_) {
+    // The reader stands still, so that an orderly end would not get through either.
+    context_->TryCancel();
+  } else if (phase_ == Phase::kHeader || phase_ == Phase::kUpload) {
+    End(MakeError(absl::StrCat("no message came for ", core_.limits.stall_seconds,
+                               " seconds (limit stall-seconds)"),
+                  {.reason = Reason::kLimitExceeded, .field = "stall-seconds"}));
+  }
+}
+
+void InterpolateReactor::OnDone() {
+  {
+    const Lock lock(mutex_);
+    done_ = true;
+    LogEnd();
+  }
+  core_.streams.Remove(this);
+  // Giving back a large result takes long, so another thread does it.
+  core_.delivery.Post([self = std::move(self_)] {});
+}
+
+void InterpolateReactor::LogEnd() {
+  const absl::Status status = end_.value_or(absl::UnknownError("ended without a reason"));
+  LogLine line("job");
+  line.Add("request_id", request_id_).Add("method", "Interpolate").Add("peer", context_->peer());
+  line.Add("code", absl::StatusCodeToString(status.code()));
+  if (const std::optional<ErrorDetail> detail = GetErrorDetail(status)) {
+    line.Add("reason", ReasonName(detail->reason));
+    if (!detail->field.empty()) line.Add("field", detail->field);
+    line.Add("message", std::string(status.message()));
+  }
+  line.Add("vertices", spec_.mesh.vertex_count()).Add("faces", spec_.mesh.face_count());
+  line.Add("level", std::uint64_t{spec_.engine.level}).Add("bytes_in", spec_.mesh.byte_count());
+  // A job that still runs, or is still encoded, is not to be looked at.
+  if (job_ != nullptr && phase_ != Phase::kRunning && !encoding_) {
+    line.Add("bytes_out", job_->bytes_sent());
+    for (const StageTime& stage : job_->stages()) {
+      line.Add(std::string(stage.stage) + "_ms", stage.milliseconds);
+    }
+  }
+  core_.log->Info(line);
+}
+
+}  // namespace limn

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+// limnd: flags, start, signals, end.
+#include <pthread.h>
+#include <sys/resource.h>
+#include <unistd.h>
+#include <CLI/CLI.hpp>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "engine/base/error.h"
+#include "server/limits.h"
+#include "server/log.h"
+#include "server/server.h"
+
+namespace limn {
+namespace {
+
+constexpr int kExitUsage = 2;
+constexpr int kExitFailure = 3;
+// After drain-seconds, for a server that does not stop.
+constexpr std::chrono::seconds kLastPatience(10);
+
+struct Flags {
+  ServerOptions server{.listen = "127.0.0.1:7410"};
+  std::string port_file;
+  std::string log_level = "info";
+};
+
+void AddFlags(CLI::App* app, Flags* flags) {
+  app->set_version_flag("--version", std::string("limnd ") + LIMN_VERSION);
+  app->add_option("--listen", flags->server.listen, "HOST:PORT to listen on; port 0 is a free one")
+      ->capture_default_str();
+  app->add_flag("--insecure", flags->server.insecure,
+                "Allow --listen on addresses that other machines can reach: nothing is encrypted");
+  app->add_option("--port-file", flags->port_file,
+                  "File that the port is written to once the server serves");
+  app->add_option("--threads", flags->server.threads,
+                  "Threads that jobs are computed on; 0 is as many as there are processors, within "
+                  "the CPU quota")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 1024));
+  app->add_option("--log-level", flags->log_level, "debug, info, warning, error or off")
+      ->capture_default_str();
+  for (const LimitEntry& entry : LimitTable()) {
+    const std::string description =
+        std::string(entry.description) + " (" + std::string(entry.unit) + ")";
+    app->add_option("--" + std::string(entry.name), flags->server.limits.*entry.value, description)
+        ->capture_default_str()
+        ->group("Limits")
+        ->check(CLI::Range(entry.least, entry.most));
+  }
+}
+
+// Whole or not at all: whoever waits for the file never reads half a number.
+bool WritePortFile(const std::string& path, int port) {
+  const std::string temporary = path + ".tmp" + std::to_string(getpid());
+  std::ofstream file(temporary, std::ios::trunc);
+  file << port << '\n';
+  file.close();
+  std::error_code error;
+  if (file) std::filesystem::rename(temporary, path, error);
+  if (file && !error) return true;
+  std::filesystem::remove(temporary, error);
+  return false;
+}
+
+// Every connection takes a descriptor, and when they run out the listener does not recover.
+void RaiseDescriptorLimit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  (void)setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+// Signals that end the server, blocked in every thread so that sigwait gets them.
+sigset_t BlockEndingSignals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  // A closed standard error or connection must not end the server.
+  std::signal(SIGPIPE, SIG_IGN);
+  return signals;
+}
+
+// Ends the process at a second signal, or when the shutdown takes longer than it may.
+void WatchShutdown(sigset_t signals, std::chrono::seconds patience) {
+  std::thread([signals, until = std::chrono::steady_clock::now() + patience] {
+    constexpr timespec kTick{.tv_sec = 0, .tv_nsec = 100'000'000};
+    int signal = -1;
+    while (signal < 0 && std::chrono::steady_clock::now() < until) {
+      signal = sigtimedwait(&signals, nullptr, &kTick);
+    }
+    std::_Exit(signal > 0 ? 128 + signal : kExitFailure);
+  }).detach();
+}
+
+int Run(const Flags& flags) {
+  absl::StatusOr<std::shared_ptr<Log>> log = Log::ToStderr(flags.log_level);
+  if (!log.ok()) {
+    std::cerr << "limnd: " << log.status().message() << "\n";
+    return kExitUsage;
+  }
+  RaiseDescriptorLimit();
+  const sigset_t signals = BlockEndingSignals();
+
+  ServerOptions options = flags.server;
+  options.log = *log;
+  absl::StatusOr<std::unique_ptr<Server>> server = Server::Start(options);
+  if (!server.ok()) {
+    std::cerr << "limnd: " << server.status().message() << "\n";
+    return server.status().code() == absl::StatusCode::kInvalidArgument ? kExitUsage : kExitFailure;
+  }
+  (*log)->Info(LogLine("listening")
+                   .Add("address", options.listen)
+                   .Add("port", static_cast<std::uint64_t>((*server)->port()))
+                   .Add("threads", static_cast<std::uint64_t>((*server)->threads()))
+                   .Add("version", LIMN_VERSION));
+  if (!flags.port_file.empty() && !WritePortFile(flags.port_file, (*server)->port())) {
+    std::cerr << "limnd: cannot write the port to " << flags.port_file << "\n";
+    return kExitFailure;
+  }
+
+  int signal = 0;
+  sigwait(&signals, &signal);
+  const std::chrono::seconds patience(options.limits.drain_seconds);
+  (*log)->Info(LogLine("stopping")
+                   .Add("signal", static_cast<std::uint64_t>(signal))
+                   .Add("drain_seconds", options.limits.drain_seconds));
+  WatchShutdown(signals, patience + kLastPatience);
+  (*server)->Shutdown(patience);
+  (*log)->Info(LogLine("stopped"));
+  return EXIT_SUCCESS;
+}
+
+}  // namespace
+}  // namespace limn
+
+int main(int argc, char** argv) {
+  CLI::App app("limnd serves interpolating subdivision surfaces by gRPC.", "limnd");
+  limn::Flags flags;
+  limn::AddFlags(&app, &flags);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? EXIT_SUCCESS : limn::kExitUsage;
+  }
+  return limn::Run(flags);
+}

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: MIT
+// Every field of a job's header: what is out of range is refused, what is not built says so.
+#include "server/options_from_proto.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "engine/base/error.h"
+#include "tests/server/service_fixture.h"
+
+namespace limn {
+namespace {
+
+using Header = v1::InterpolateHeader;
+
+Header ValidHeader() {
+  Header header = MakeHeader(2);
+  header.mutable_mesh()->set_vertex_count(8);
+  header.mutable_mesh()->set_face_count(6);
+  header.mutable_mesh()->set_corner_count(24);
+  return header;
+}
+
+struct FieldCase {
+  std::string name;
+  std::function<void(Header&)> spoil;
+  Reason reason;
+  std::string field;
+};
+
+void PrintTo(const FieldCase& c, std::ostream* out) { *out << c.name; }
+
+class HeaderFieldTest : public testing::TestWithParam<FieldCase> {};
+
+TEST_P(HeaderFieldTest, IsRefusedByName) {
+  Header header = ValidHeader();
+  GetParam().spoil(header);
+  const absl::StatusOr<JobSpec> spec = JobSpecFromProto(header);
+  ASSERT_FALSE(spec.ok());
+  const std::optional<ErrorDetail> detail = GetErrorDetail(spec.status());
+  ASSERT_TRUE(detail.has_value());
+  EXPECT_EQ(detail->reason, GetParam().reason) << spec.status();
+  EXPECT_EQ(detail->field, GetParam().field);
+  EXPECT_FALSE(detail->remedy.empty());
+}
+
+template <class Enum>
+Enum NoValue() {
+  return static_cast<Enum>(99);
+}
+
+std::vector<FieldCase> InvalidCases() {
+  constexpr Reason kInvalid = Reason::kInvalidOption;
+  return {
+      {"RequestIdTooLong", [](Header& h) { h.set_request_id(std::string(129, 'a')); }, kInvalid,
+       "request_id"},
+      {"RequestIdWithSpace", [](Header& h) { h.set_request_id("a b"); }, kInvalid, "request_id"},
+      {"RequestIdWithNewline", [](Header& h) { h.set_request_id("a\n"); }, kInvalid, "request_id"},
+      {"UnknownScheme", [](Header& h) { h.set_scheme(NoValue<v1::Scheme>()); }, kInvalid, "scheme"},
+      {"NoMesh", [](Header& h) { h.clear_mesh(); }, kInvalid, "mesh"},
+      {"UnknownMeshEncoding",
+       [](Header& h) { h.mutable_mesh()->set_encoding(NoValue<v1::MeshEncoding>()); }, kInvalid,
+       "mesh.encoding"},
+      {"UnknownMethod",
+       [](Header& h) { h.mutable_solve()->set_method(NoValue<v1::SolveOptions::Method>()); },
+       kInvalid, "solve.method"},
+      {"UnknownRule",
+       [](Header& h) { h.mutable_solve()->set_rule(NoValue<v1::SolveOptions::Rule>()); }, kInvalid,
+       "solve.rule"},
+      {"NegativeTolerance", [](Header& h) { h.mutable_solve()->set_tolerance(-1e-9); }, kInvalid,
+       "solve.tolerance"},
+      {"ToleranceOne", [](Header& h) { h.mutable_solve()->set_tolerance(1); }, kInvalid,
+       "solve.tolerance"},
+      {"ToleranceNan",
+       [](Header& h) {
+         h.mutable_solve()->set_tolerance(std::numeric_limits<double>::quiet_NaN());
+       },
+       kInvalid, "solve.tolerance"},
+      {"TooManySweeps", [](Header& h) { h.mutable_solve()->set_max_sweeps(10'001); }, kInvalid,
+       "solve.max_sweeps"},
+      {"LevelTooHigh", [](Header& h) { h.mutable_surface()->set_level(11); }, kInvalid,
+       "surface.level"},
+      {"UnknownBoundary",
+       [](Header& h) {
+         h.mutable_surface()->set_boundary(NoValue<v1::SurfaceOptions::Boundary>());
+       },
+       kInvalid, "surface.boundary"},
+      {"UnknownOutputEncoding",
+       [](Header& h) { h.mutable_output()->set_encoding(NoValue<v1::MeshEncoding>()); }, kInvalid,
+       "output.encoding"},
+      {"TooFewBits", [](Header& h) { h.mutable_output()->set_quantization_bits(7); }, kInvalid,
+       "output.quantization_bits"},
+      {"TooManyBits", [](Header& h) { h.mutable_output()->set_quantization_bits(31); }, kInvalid,
+       "output.quantization_bits"},
+      {"TilesTooSmall", [](Header& h) { h.mutable_output()->set_tile_bytes(4095); }, kInvalid,
+       "output.tile_bytes"},
+      {"TilesTooLarge", [](Header& h) { h.mutable_output()->set_tile_bytes((1 << 20) + 1); },
+       kInvalid, "output.tile_bytes"},
+      {"DracoWithoutConnectivity",
+       [](Header& h) {
+         h.mutable_output()->set_encoding(v1::MESH_ENCODING_DRACO);
+         h.mutable_output()->set_omit_connectivity(true);
+       },
+       kInvalid, "output.omit_connectivity"},
+  };
+}
+
+std::vector<FieldCase> UnbuiltCases() {
+  constexpr Reason kNot = Reason::kUnimplemented;
+  const auto constraint = [](const std::function<void(v1::Constraints*)>& add) {
+    return [add](Header& h) { add(h.mutable_constraints()); };
+  };
+  return {
+      {"CatmullClark", [](Header& h) { h.set_scheme(v1::SCHEME_CATMULL_CLARK); }, kNot, "scheme"},
+      {"Loop", [](Header& h) { h.set_scheme(v1::SCHEME_LOOP); }, kNot, "scheme"},
+      {"Subset", constraint([](auto* c) { c->mutable_interpolate(); }), kNot,
+       "constraints.interpolate"},
+      {"Normals", constraint([](auto* c) { c->add_normals(); }), kNot, "constraints.normals"},
+      {"ShapeHandles", constraint([](auto* c) { c->add_shape_handles(); }), kNot,
+       "constraints.shape_handles"},
+      {"SurfacePoints", constraint([](auto* c) { c->add_surface_points(); }), kNot,
+       "constraints.surface_points"},
+      {"Creases", constraint([](auto* c) { c->add_creases(); }), kNot, "constraints.creases"},
+      {"Corners", constraint([](auto* c) { c->add_corners(); }), kNot, "constraints.corners"},
+      {"Holes", constraint([](auto* c) { c->add_holes(1); }), kNot, "constraints.holes"},
+      {"Features", constraint([](auto* c) { c->mutable_features(); }), kNot,
+       "constraints.features"},
+      {"ConjugateGradient",
+       [](Header& h) {
+         h.mutable_solve()->set_method(v1::SolveOptions::METHOD_CONJUGATE_GRADIENT);
+       },
+       kNot, "solve.method"},
+      {"StandardRule",
+       [](Header& h) { h.mutable_solve()->set_rule(v1::SolveOptions::RULE_STANDARD); }, kNot,
+       "solve.rule"},
+      {"BilinearRule",
+       [](Header& h) { h.mutable_solve()->set_rule(v1::SolveOptions::RULE_BILINEAR_FIRST_STEP); },
+       kNot, "solve.rule"},
+      {"Fair", [](Header& h) { h.mutable_solve()->set_fair(true); }, kNot, "solve.fair"},
+      {"ChordTolerance", [](Header& h) { h.mutable_surface()->set_chord_tolerance(0.1); }, kNot,
+       "surface.chord_tolerance"},
+      {"Boundary",
+       [](Header& h) { h.mutable_surface()->set_boundary(v1::SurfaceOptions::BOUNDARY_NONE); },
+       kNot, "surface.boundary"},
+      {"Repair", [](Header& h) { h.mutable_output()->set_repair(true); }, kNot, "output.repair"},
+  };
+}
+
+INSTANTIATE_TEST_SUITE_P(Invalid, HeaderFieldTest, testing::ValuesIn(InvalidCases()),
+                         [](const auto& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(NotBuilt, HeaderFieldTest, testing::ValuesIn(UnbuiltCases()),
+                         [](const auto& test) { return test.param.name; });
+
+TEST(JobSpecTest, AbsentFieldsTakeTheDefaultsOfTheContract) {
+  Header header;
+  header.mutable_mesh()->set_vertex_count(8);
+  const absl::StatusOr<JobSpec> spec = JobSpecFromProto(header);
+  ASSERT_TRUE(spec.ok()) << spec.status();
+  EXPECT_EQ(spec->mesh.encoding(), v1::MESH_ENCODING_PACKED);
+  EXPECT_EQ(spec->engine.scheme, Scheme::kDooSabin);
+  EXPECT_EQ(spec->engine.solve.method, SolveMethod::kChebyshev);
+  EXPECT_EQ(spec->engine.solve.tolerance, 1e-12);
+  EXPECT_EQ(spec->engine.solve.max_sweeps, 100U);
+  EXPECT_FALSE(spec->send_control_mesh);
+  EXPECT_FALSE(spec->send_surface);
+  EXPECT_EQ(spec->tiles.encoding, v1::MESH_ENCODING_PACKED);
+  EXPECT_EQ(spec->tiles.quantization_bits, 16);
+  EXPECT_EQ(spec->tiles.tile_bytes, 512U << 10);
+}
+
+TEST(JobSpecTest, GivenFieldsReachEngineAndCodec) {
+  Header header = ValidHeader();
+  header.mutable_constraints();
+  header.mutable_solve()->set_method(v1::SolveOptions::METHOD_JACOBI);
+  header.mutable_solve()->set_tolerance(0);
+  header.mutable_solve()->set_max_sweeps(0);
+  header.mutable_solve()->set_rule(v1::SolveOptions::RULE_MODIFIED);
+  header.mutable_solve()->set_strict(true);
+  header.mutable_surface()->set_level(5);
+  header.mutable_output()->set_encoding(v1::MESH_ENCODING_DRACO_QUANTIZED);
+  header.mutable_output()->set_quantization_bits(30);
+  header.mutable_output()->set_tile_bytes(1 << 20);
+  const absl::StatusOr<JobSpec> spec = JobSpecFromProto(header);
+  ASSERT_TRUE(spec.ok()) << spec.status();
+  EXPECT_EQ(spec->engine.solve.method, SolveMethod::kJacobi);
+  EXPECT_EQ(spec->engine.solve.tolerance, 0);
+  EXPECT_EQ(spec->engine.solve.max_sweeps, 0U);
+  EXPECT_EQ(spec->engine.level, 5U);
+  EXPECT_TRUE(spec->engine.normals);
+  EXPECT_EQ(spec->control_mesh.encoding, v1::MESH_ENCODING_DRACO_QUANTIZED);
+  EXPECT_EQ(spec->control_mesh.quantization_bits, 30);
+  EXPECT_EQ(spec->tiles.encoding, v1::MESH_ENCODING_DRACO_QUANTIZED);
+  EXPECT_EQ(spec->tiles.quantization_bits, 30);
+  EXPECT_EQ(spec->tiles.tile_bytes, 1U << 20);
+}
+
+TEST(JobSpecTest, ErrorsOfTheHeaderReachTheClientWithTheirField) {
+  const std::unique_ptr<Server> server = StartServer();
+  RawCall call(server->InProcessChannel());
+  Header header = MakeHeader(1);
+  header.mutable_constraints()->add_normals();
+  call.Write(MakeUpload(header, MakeSphere(64)));
+  call.WritesDone();
+  EXPECT_EQ(call.Finish().code(), absl::StatusCode::kUnimplemented);
+  const v1::ErrorDetails info = ErrorInfoOf(call.rich_status());
+  EXPECT_EQ(info.reason(), "UNIMPLEMENTED");
+  EXPECT_EQ(info.metadata().at("field"), "constraints.normals");
+}
+
+}  // namespace
+}  // namespace limn
