@@ -59,14 +59,16 @@ void InterpolateReactor::Start() {
 
 void InterpolateReactor::OnReadDone(bool ok) {
   const Lock lock(mutex_);
-  if (end_.has_value()) return;
+  if (end_.has_value()) {
+    // A client that sends everything before it reads must get that far, or the write that is under
+    // way would never end.
+    if (ok && !finished_) StartRead(&request_);
+    return;
+  }
   last_activity_ = Clock::now();
   const absl::Status status = Guarded([&] { return ok ? TakeMessage() : EndOfUpload(); });
-  if (!status.ok()) {
-    End(status);
-  } else if (ok) {
-    StartRead(&request_);
-  }
+  if (!status.ok()) End(status);
+  if (ok && !finished_) StartRead(&request_);
 }
 
 absl::Status InterpolateReactor::TakeMessage() {

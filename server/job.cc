@@ -31,7 +31,8 @@ bool Touches(const Tessellation& surface, const wire::TileRange& range, std::uin
 
 }  // namespace
 
-Job::Job(JobSpec spec, Context context) : spec_(std::move(spec)), context_(std::move(context)) {}
+Job::Job(JobSpec spec, Context context)
+    : spec_(std::move(spec)), context_(std::move(context)), tile_options_(spec_.tiles) {}
 
 Job::~Job() = default;
 
@@ -53,7 +54,7 @@ absl::Status Job::Run(std::string encoded_mesh) {
   surface_ = std::move(result.surface);
   certificate_.emplace(std::exchange(mesh_.positions, std::move(result.control_positions)));
   if (spec_.send_surface) {
-    LIMN_ASSIGN_OR_RETURN(tiles_, wire::PlanTiles(surface_, spec_.tiles));
+    LIMN_RETURN_IF_ERROR(PlanTiles());
   } else {
     certificate_->AddRun(0, surface_.positions);
     surface_ = Tessellation{};
@@ -103,7 +104,7 @@ absl::Status Job::StartControlMesh(v1::ControlMeshPart* part) {
   mesh_ = PolygonMesh{};
   *part->mutable_header() = std::move(encoded.header);
   control_bytes_ = std::move(encoded.bytes);
-  control_chunks_.emplace(control_bytes_, spec_.tiles.tile_bytes);
+  control_chunks_.emplace(control_bytes_, tile_options_.tile_bytes);
   part_ = Part::kControlChunks;
   return absl::OkStatus();
 }
@@ -117,11 +118,21 @@ void Job::NextControlChunk(v1::ControlMeshPart* part) {
   part_ = tiles_.empty() ? Part::kSummary : Part::kTiles;
 }
 
+absl::Status Job::PlanTiles() {
+  LIMN_ASSIGN_OR_RETURN(tiles_, wire::PlanTiles(surface_, tile_options_));
+  if (tile_options_.encoding == v1::MESH_ENCODING_DRACO_QUANTIZED) {
+    // Once for all tiles, which would otherwise look at the whole surface each.
+    LIMN_ASSIGN_OR_RETURN(tile_options_.grid,
+                          wire::FitGrid(context_, surface_.positions, surface_.normals));
+  }
+  return absl::OkStatus();
+}
+
 absl::Status Job::NextTile(v1::SurfaceTile* tile) {
   const wire::TileRange& range = tiles_[next_tile_];
   LIMN_ASSIGN_OR_RETURN(
       *tile, wire::EncodeTile(context_, surface_, range, static_cast<std::uint32_t>(next_tile_),
-                              spec_.tiles));
+                              tile_options_));
   LIMN_RETURN_IF_ERROR(Certify(range, *tile));
   bytes_sent_ += tile->positions().size() + tile->normals().size() + tile->face_vertices().size() +
                  tile->arities().size() + tile->draco().size();

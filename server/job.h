@@ -53,6 +53,7 @@ class Job {
   [[nodiscard]] absl::Status Fill(v1::InterpolateResponse* message);
   [[nodiscard]] absl::Status StartControlMesh(v1::ControlMeshPart* part);
   void NextControlChunk(v1::ControlMeshPart* part);
+  [[nodiscard]] absl::Status PlanTiles();
   [[nodiscard]] absl::Status NextTile(v1::SurfaceTile* tile);
   [[nodiscard]] absl::Status Certify(const wire::TileRange& range, const v1::SurfaceTile& tile);
   void FillSummary(v1::Summary* summary);
@@ -73,6 +74,7 @@ class Job {
   Part part_ = Part::kNone;
   std::string control_bytes_;
   std::optional<wire::ChunkReader> control_chunks_;
+  wire::TileOptions tile_options_;
   std::vector<wire::TileRange> tiles_;
   std::size_t next_tile_ = 0;
 };

@@ -26,8 +26,10 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kMostThreads = 1024;
 constexpr std::chrono::milliseconds kStallCheckInterval(250);
-// For the answers of ended calls to leave, before connections are cut.
+// For the errors of ended streams to leave, before connections are cut.
 constexpr std::chrono::seconds kFarewell(2);
+// For short calls that are under way.
+constexpr std::chrono::milliseconds kLastCalls(500);
 constexpr int kSecond = 1000;
 
 absl::Status CheckOptions(const ServerOptions& options) {
@@ -123,10 +125,10 @@ void Server::Impl::Shutdown(std::chrono::milliseconds patience) {
         "the server is stopping and could not wait for the job",
         {.reason = Reason::kShuttingDown, .remedy = "Try another server, or again later"});
     core.streams.ForEach([&](OpenStream& stream) { stream.Stop(status); });
+    (void)core.streams.WaitUntilEmpty(Clock::now() + kFarewell);
   }
-  // Calls that are still open after the farewell are cancelled by gRPC, which every stream answers
-  // at once.
-  grpc_server->Shutdown(std::chrono::system_clock::now() + kFarewell);
+  // What is still open then is cancelled by gRPC, which every stream answers at once.
+  grpc_server->Shutdown(std::chrono::system_clock::now() + kLastCalls);
   grpc_server->Wait();
   {
     const std::lock_guard lock(mutex);

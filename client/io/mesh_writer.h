@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Meshes and limit surfaces to files: OBJ, OFF, PLY, STL, and binary glTF (.glb) for surfaces.
 //
-// The text and PLY/STL writers are Limn's own: OpenMesh's need a valid OpenMesh mesh (which broken
-// meshes and most tessellations are not), write 6 digits unless told, and a million vertices take
-// them several times as long. The glTF container is written by tinygltf.
+// OBJ, OFF, PLY and STL are written here and not by OpenMesh, whose writers take a mesh that its
+// own data structure accepts: a broken mesh could not be written, a tessellation only after
+// conversion. The glTF container is written by tinygltf.
 //
 // A file is written under another name beside the target and renamed at the end: at every moment
 // the target is the old file or the complete new one, also when the disk fills up or the program

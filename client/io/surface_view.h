@@ -78,8 +78,8 @@ absl::Status WritePly(const SurfaceView& view, OutputFile* file);
 absl::Status WriteStl(const SurfaceView& view, OutputFile* file);
 absl::Status WriteGlb(const SurfaceView& view, OutputFile* file);
 
-// Box of the points, if all of them are finite and, relative to `origin`, within float32.
-// Errors: NON_FINITE_COORDINATE, COORDINATE_TOO_LARGE with the vertex.
+// Whether all points are finite and, relative to `origin`, within the range of float32. Errors:
+// NON_FINITE_COORDINATE, COORDINATE_TOO_LARGE with the vertex.
 absl::Status CheckFloat32(const SurfaceView& view, const Vec3& origin, std::string_view format);
 
 }  // namespace limn::io

@@ -29,7 +29,8 @@ class UninitializedAllocator {
   UninitializedAllocator(const UninitializedAllocator<U>& /*other*/) noexcept {}  // NOLINT
 
   T* allocate(std::size_t n) {
-    if (n > PTRDIFF_MAX / sizeof(T)) throw std::bad_array_new_length();
+    // Room for rounding up, below the largest object.
+    if (n > (PTRDIFF_MAX - kHugePage) / sizeof(T)) throw std::bad_array_new_length();
     std::size_t bytes = n * sizeof(T);
     const bool huge = bytes >= kHugeFrom;
     const std::size_t alignment = huge ? kHugePage : kCacheLine;

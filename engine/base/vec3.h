@@ -67,17 +67,31 @@ inline Vec3 NormalizedOrZero(const Vec3& a) {
   return (1 / Norm(s)) * s;
 }
 
-// The direction of a x b as a unit vector, or zero where a and b span no plane.
-inline Vec3 UnitCross(const Vec3& a, const Vec3& b) {
+// Rounding errors of a short sum of points, relative to their coordinates: what is smaller may be
+// noise.
+inline constexpr double kRoundingNoise = 0x1p-47;
+
+// The direction of a x b as a unit vector, or zero where a and b span no plane: where the product
+// is not above the rounding errors of a and b. size: magnitude of the coordinates that a and b were
+// computed from.
+inline Vec3 UnitCross(const Vec3& a, const Vec3& b, double size) {
   const Vec3 product = Cross(a, b);
   const double square = Dot(product, product);
-  if (square > 1e-200 && square < 1e200) return (1 / std::sqrt(square)) * product;
+  constexpr double kNoise = kRoundingNoise * kRoundingNoise;
+  if (square > 1e-200 && square < 1e200) {
+    const double aa = Dot(a, a);
+    const double bb = Dot(b, b);
+    if (square <= kNoise * (2 * size * size * (aa + bb) + aa * bb)) return {0, 0, 0};
+    return (1 / std::sqrt(square)) * product;
+  }
   const double scale_a = MaxAbs(a);
   const double scale_b = MaxAbs(b);
   if (!(scale_a > 0 && scale_b > 0)) return {0, 0, 0};
   // Divided, not multiplied by an inverse: that of a denormal is infinite.
-  return NormalizedOrZero(Cross({a.x / scale_a, a.y / scale_a, a.z / scale_a},
-                                {b.x / scale_b, b.y / scale_b, b.z / scale_b}));
+  const Vec3 scaled = Cross({a.x / scale_a, a.y / scale_a, a.z / scale_a},
+                            {b.x / scale_b, b.y / scale_b, b.z / scale_b});
+  if (MaxAbs(scaled) <= kRoundingNoise * (size / scale_a + size / scale_b + 1)) return {0, 0, 0};
+  return NormalizedOrZero(scaled);
 }
 
 }  // namespace limn

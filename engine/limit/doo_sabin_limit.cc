@@ -18,7 +18,9 @@ class FaceLimits {
 
   void Quad(std::size_t at, std::size_t a, std::size_t b, std::size_t c, std::size_t d) const {
     points_[at] = 0.25 * ((in_[a] + in_[c]) + (in_[b] + in_[d]));
-    if (normals_ != nullptr) normals_[at] = UnitCross(in_[a] - in_[c], in_[b] - in_[d]);
+    if (normals_ != nullptr) {
+      normals_[at] = UnitCross(in_[a] - in_[c], in_[b] - in_[d], MaxAbs(in_[a]));
+    }
   }
 
   // corner(i): number of the face's i-th corner.
@@ -31,7 +33,7 @@ class FaceLimits {
     }
     const Harmonics f = FirstHarmonics(m, [&](std::size_t i) { return in_[corner(i)]; });
     points_[at] = f.mean;
-    normals_[at] = UnitCross(f.t1, f.t2);
+    normals_[at] = UnitCross(f.t1, f.t2, static_cast<double>(m) * MaxAbs(f.mean));
   }
 
  private:

@@ -3,6 +3,8 @@
 #include "engine/mesh/generate_remix.h"
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 namespace limn::generate {
 
@@ -177,8 +179,8 @@ void Remix::FlipSome(double share_of_edges, Random* random) {
 std::size_t Remix::MergeSome(std::size_t wanted, Random* random) {
   const Buffer<Index> edges = EdgesInRandomOrder(random);
   // Some vertices keep all their edges, or large valences would die out.
-  Buffer<unsigned char> kept(valence_.size());
-  for (unsigned char& keep : kept) keep = random->Below(10) == 0 ? 1 : 0;
+  std::vector<char> kept(valence_.size());
+  for (char& keep : kept) keep = random->Below(10) == 0 ? 1 : 0;
   std::size_t merged = 0;
   for (const Index h : edges) {
     const Index most = std::max(valence_[vertex_[h]], valence_[vertex_[twin_[h]]]);
@@ -197,7 +199,7 @@ void Remix::TakeFaces(PolygonMesh* mesh) const {
   Buffer<Index> corner_vertex;
   face_begin.reserve(arity_.size() + 1);
   corner_vertex.reserve(vertex_.size());
-  Buffer<bool> done(arity_.size(), false);
+  std::vector<bool> done(arity_.size(), false);
   for (Index first = 0; first < vertex_.size(); ++first) {
     if (vertex_[first] == kNoIndex || done[face_[first]]) continue;
     done[face_[first]] = true;

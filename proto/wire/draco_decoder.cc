@@ -62,6 +62,10 @@ bool IsDense(const Buffer<Index>& ids, std::size_t values, std::size_t* count) {
 
 absl::StatusOr<Numbering> NumberById(const draco::Mesh& mesh,
                                      const draco::PointAttribute& id_attribute) {
+  // Two uint16, the low half first, read as one little-endian number.
+  if (!IsKind(id_attribute, draco::DT_UINT32, 1) && !IsKind(id_attribute, draco::DT_UINT16, 2)) {
+    return Malformed("has original ids that are neither uint32 nor two uint16");
+  }
   Numbering numbering;
   LIMN_ASSIGN_OR_RETURN(numbering.corner_vertex, CornerValues(mesh, id_attribute));
   for (Index& corner : numbering.corner_vertex) {
@@ -118,8 +122,9 @@ absl::StatusOr<std::vector<Index>> ReadArities(const draco::Mesh& mesh) {
 
 absl::StatusOr<Buffer<std::uint8_t>> ReadAddedEdges(const draco::Mesh& mesh) {
   Buffer<std::uint8_t> added;
-  const draco::PointAttribute* attribute = NamedAttribute(mesh, kAddedEdgesName, draco::DT_UINT8);
+  const draco::PointAttribute* attribute = NamedAttribute(mesh, kAddedEdgesName);
   if (attribute == nullptr) return added;
+  if (!IsKind(*attribute, draco::DT_UINT8, 1)) return Malformed("has added_edges beside uint8");
   LIMN_ASSIGN_OR_RETURN(const Buffer<Index> values, CornerValues(mesh, *attribute));
   added.resize(values.size());
   for (std::size_t c = 0; c < values.size(); ++c) {
@@ -164,7 +169,7 @@ absl::StatusOr<DracoOutput> DecodeDraco(std::string_view bytes, const DracoBound
   LIMN_ASSIGN_OR_RETURN(const std::unique_ptr<draco::Mesh> mesh, ReadDraco(bytes, bounds));
   const draco::PointAttribute& position =
       *mesh->GetNamedAttribute(draco::GeometryAttribute::POSITION);
-  const draco::PointAttribute* ids = NamedAttribute(*mesh, kOriginalIdName, draco::DT_UINT32);
+  const draco::PointAttribute* ids = NamedAttribute(*mesh, kOriginalIdName);
   Numbering numbering;
   if (ids != nullptr) {
     LIMN_ASSIGN_OR_RETURN(numbering, NumberById(*mesh, *ids));

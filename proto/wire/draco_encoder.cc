@@ -5,10 +5,11 @@
 #include <draco/compression/expert_encode.h>
 #include <draco/mesh/mesh.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
-#include <limits>
 #include <memory>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -120,12 +121,22 @@ std::vector<float> Floats(absl::Span<const Vec3> points) {
   return floats;
 }
 
-std::vector<std::uint32_t> Ids(const DracoInput& input) {
-  std::vector<std::uint32_t> ids(input.original_ids.begin(), input.original_ids.end());
-  for (std::size_t v = ids.size(); v < input.positions.size(); ++v) {
-    ids.push_back(static_cast<std::uint32_t>(v));
+// Adds the attribute of original ids; returns its number.
+int AddIds(const DracoInput& input, MeshBuilder* builder) {
+  int attribute = 0;
+  if (input.original_ids.empty()) {
+    std::vector<std::uint32_t> ids(input.positions.size());
+    std::iota(ids.begin(), ids.end(), 0U);
+    attribute = builder->Add(draco::GeometryAttribute::GENERIC, 1, draco::DT_UINT32, ids);
+  } else {
+    // Little-endian: the halves lie in memory as they should.
+    attribute =
+        builder->Add(draco::GeometryAttribute::GENERIC, 2, draco::DT_UINT16,
+                     absl::MakeConstSpan(reinterpret_cast<const char*>(input.original_ids.data()),
+                                         sizeof(Index) * input.original_ids.size()));
   }
-  return ids;
+  builder->Name(attribute, kOriginalIdName);
+  return attribute;
 }
 
 absl::StatusOr<std::string> Encode(draco::ExpertEncoder* encoder, int method) {
@@ -145,7 +156,7 @@ absl::StatusOr<std::string> Encode(draco::ExpertEncoder* encoder, int method) {
 // small models vanish; the options themselves take any text.
 draco::EncoderOptions GridOptions(int attribute, const QuantizationGrid& grid, int bits) {
   draco::Options position;
-  position.SetInt("quantization_bits", bits);
+  position.SetInt("quantization_bits", std::min(bits, kUsefulQuantizationBits));
   position.SetString("quantization_origin", absl::StrFormat("%.17g %.17g %.17g", grid.origin[0],
                                                             grid.origin[1], grid.origin[2]));
   position.SetString("quantization_range", absl::StrFormat("%.17g", grid.range));
@@ -203,10 +214,7 @@ absl::StatusOr<std::string> EncodeDracoLossless(const DracoInput& input) {
   if (!input.normals.empty()) {
     builder.Add(draco::GeometryAttribute::NORMAL, 3, draco::DT_FLOAT32, Floats(input.normals));
   }
-  if (!input.original_ids.empty()) {
-    builder.Name(builder.Add(draco::GeometryAttribute::GENERIC, 1, draco::DT_UINT32, Ids(input)),
-                 kOriginalIdName);
-  }
+  if (!input.original_ids.empty()) AddIds(input, &builder);
   if (triangles != input.faces.face_count()) builder.AddArities(input.faces);
   draco::ExpertEncoder encoder(builder.mesh());
   return Encode(&encoder, draco::MESH_SEQUENTIAL_ENCODING);
@@ -225,9 +233,7 @@ absl::StatusOr<std::string> EncodeDracoQuantized(const DracoInput& input,
   std::vector<int> of_vertices = {builder.Add(draco::GeometryAttribute::POSITION, 3,
                                               draco::DT_FLOAT32, Floats(input.positions))};
   draco::EncoderOptions options = GridOptions(of_vertices[0], grid, bits);
-  of_vertices.push_back(
-      builder.Add(draco::GeometryAttribute::GENERIC, 1, draco::DT_UINT32, Ids(input)));
-  builder.Name(of_vertices.back(), kOriginalIdName);
+  of_vertices.push_back(AddIds(input, &builder));
   if (!input.normals.empty()) {
     of_vertices.push_back(
         builder.Add(draco::GeometryAttribute::NORMAL, 3, draco::DT_FLOAT32, Floats(input.normals)));

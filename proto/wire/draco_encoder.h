@@ -26,7 +26,9 @@ struct DracoInput {
   absl::Span<const Vec3> positions;
   // One per vertex, or none.
   absl::Span<const Vec3> normals;
-  // Number that each vertex is known by, below 2^31. Empty: 0, 1, 2 ...
+  // Number that each vertex is known by. Empty: 0, 1, 2 ... Given numbers are written as two uint16
+  // each, the low half first: for uint32, Draco's encoder counts symbols in a table as long as the
+  // largest number, which for a small tile of a large surface costs more than all the rest.
   absl::Span<const Index> original_ids;
 };
 

@@ -98,12 +98,13 @@ absl::StatusOr<Buffer<Index>> CornerValues(const draco::Mesh& mesh,
   return values;
 }
 
-const draco::PointAttribute* NamedAttribute(const draco::Mesh& mesh, const char* name,
-                                            draco::DataType type) {
+const draco::PointAttribute* NamedAttribute(const draco::Mesh& mesh, const char* name) {
   const int id = mesh.GetAttributeIdByMetadataEntry("name", name);
-  if (id < 0 || id >= mesh.num_attributes()) return nullptr;
-  const draco::PointAttribute* attribute = mesh.attribute(id);
-  return attribute->data_type() == type && attribute->num_components() == 1 ? attribute : nullptr;
+  return id < 0 || id >= mesh.num_attributes() ? nullptr : mesh.attribute(id);
+}
+
+bool IsKind(const draco::PointAttribute& attribute, draco::DataType type, int components) {
+  return attribute.data_type() == type && attribute.num_components() == components;
 }
 
 }  // namespace limn::wire

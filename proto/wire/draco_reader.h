@@ -28,8 +28,12 @@ namespace limn::wire {
 [[nodiscard]] absl::StatusOr<Buffer<Index>> CornerValues(const draco::Mesh& mesh,
                                                          const draco::PointAttribute& attribute);
 
-// The attribute with this metadata name, type and number of components; nullptr without one.
-[[nodiscard]] const draco::PointAttribute* NamedAttribute(const draco::Mesh& mesh, const char* name,
-                                                          draco::DataType type);
+// The attribute with this metadata "name"; nullptr without one.
+[[nodiscard]] const draco::PointAttribute* NamedAttribute(const draco::Mesh& mesh,
+                                                          const char* name);
+
+// Whether the attribute has values of this kind.
+[[nodiscard]] bool IsKind(const draco::PointAttribute& attribute, draco::DataType type,
+                          int components);
 
 }  // namespace limn::wire

@@ -17,7 +17,7 @@ namespace {
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 // Below this extent, steps of the finest grid would be denormal.
-constexpr float kSmallestRange = 0x1p-90F;
+constexpr float kSmallestRange = 0x1p-96F;
 
 struct Box {
   std::array<float, 3> low = {kInfinity, kInfinity, kInfinity};

@@ -11,12 +11,15 @@
 
 namespace limn::wire {
 
-// Quantisation bits per coordinate that are taken.
+// Quantisation bits per coordinate that are taken. Positions are float32, so bits above
+// kUsefulQuantizationBits are taken as that many; more would only cost memory (Draco's encoder
+// counts symbols in a table of 2^bits numbers).
 inline constexpr int kMinQuantizationBits = 8;
 inline constexpr int kMaxQuantizationBits = 30;
+inline constexpr int kUsefulQuantizationBits = 24;
 
 // The grid on which positions are rounded: cubes of edge range / (2^bits - 1), the first corner at
-// `origin`. In float32, as Draco computes; so no more than 24 bits of a coordinate survive.
+// `origin`. In float32, as Draco computes.
 struct QuantizationGrid {
   std::array<float, 3> origin = {0, 0, 0};
   float range = 1;

@@ -93,9 +93,9 @@ absl::Status ReadPackedFaces(const v1::SurfaceTile& tile, DecodedTile* out) {
   // Divided, not multiplied: face_count times arity may be anything yet.
   if (tile.face_vertices().size() % sizeof(std::uint32_t) != 0 ||
       tile.face_vertices().size() / sizeof(std::uint32_t) != corners) {
-    return Malformed("face_vertices", absl::StrCat("a tile's face_vertices have ",
-                                                   tile.face_vertices().size(), " bytes for ",
-                                                   corners, " corners"));
+    return Malformed("face_vertices",
+                     absl::StrCat("a tile's face_vertices have ", tile.face_vertices().size(),
+                                  " bytes for ", corners, " corners"));
   }
   // Only now is face_count known to be honest.
   if (tile.arity() != 0) out->arities.assign(count, tile.arity());

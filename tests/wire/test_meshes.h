@@ -25,7 +25,9 @@ inline void ExpectError(const absl::Status& status, Reason reason, std::string_v
   const auto detail = GetErrorDetail(status);
   ASSERT_TRUE(detail.has_value()) << "no error";
   EXPECT_EQ(ReasonName(detail->reason), ReasonName(reason)) << status.ToString();
-  if (!field.empty()) EXPECT_EQ(detail->field, field) << status.ToString();
+  if (!field.empty()) {
+    EXPECT_EQ(detail->field, field) << status.ToString();
+  }
 }
 
 inline PolygonMesh MakeMesh(const std::vector<Vec3>& positions,
