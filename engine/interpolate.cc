@@ -87,20 +87,25 @@ class Pipeline {
     LIMN_RETURN_IF_ERROR(CheckOptions(context_, input_, options_));
     LIMN_RETURN_IF_ERROR(Stage("build", [&] { return Build(); }));
     LIMN_RETURN_IF_ERROR(Stage("solve", [&] { return SolveControlMesh(); }));
-    if (!options_.surface) return std::move(result_);
+    if (options_.surface) LIMN_RETURN_IF_ERROR(MakeSurface());
+    LIMN_RETURN_IF_ERROR(MoveBack(absl::MakeSpan(result_.control_positions)));
+    LIMN_RETURN_IF_ERROR(MoveBack(absl::MakeSpan(result_.surface.positions)));
+    return std::move(result_);
+  }
+
+ private:
+  absl::Status MakeSurface() {
     LIMN_RETURN_IF_ERROR(Stage("first_refinement", [&] {
       corners_.resize(mesh_->half_edge_count());
       return FirstRefinement(context_, *mesh_, result_.control_positions, absl::MakeSpan(corners_));
     }));
     LIMN_RETURN_IF_ERROR(Stage("perturb", [&] {
-      return PerturbToInterpolate(context_, *mesh_, input_.positions, absl::MakeSpan(corners_));
+      return PerturbToInterpolate(context_, *mesh_, points_, absl::MakeSpan(corners_));
     }));
     LIMN_RETURN_IF_ERROR(Stage("refine", [&] { return Refine(); }));
-    LIMN_RETURN_IF_ERROR(Stage("limit", [&] { return Tessellate(); }));
-    return std::move(result_);
+    return Stage("limit", [&] { return Tessellate(); });
   }
 
- private:
   template <class F>
   absl::Status Stage(std::string_view name, const F& f) {
     return RunStage(context_, name, &result_.stages, f);
@@ -113,14 +118,38 @@ class Pipeline {
     LIMN_ASSIGN_OR_RETURN(HalfEdgeMesh mesh, HalfEdgeMesh::Build(context_, input_));
     LIMN_RETURN_IF_ERROR(CheckClosed(mesh));
     mesh_ = std::move(mesh);
+    return MoveToOrigin(box);
+  }
+
+  // Far from the origin coordinates leave few bits for the shape, and rounding alone moves points
+  // by more than a solve's tolerance. The job then runs on points around the origin.
+  absl::Status MoveToOrigin(const BoundingBox& box) {
+    constexpr double kFar = 64;
+    const Vec3 middle = 0.5 * box.min + 0.5 * box.max;
+    points_ = input_.positions;
+    if (MaxAbs(middle) <= kFar * box.diagonal()) return absl::OkStatus();
+    origin_ = middle;
+    moved_points_.resize(points_.size());
+    LIMN_RETURN_IF_ERROR(
+        ParallelFor(context_, points_.size(), [&](std::size_t begin, std::size_t end) {
+          for (std::size_t v = begin; v < end; ++v) moved_points_[v] = input_.positions[v] - middle;
+        }));
+    points_ = moved_points_;
     return absl::OkStatus();
+  }
+
+  absl::Status MoveBack(absl::Span<Vec3> points) const {
+    if (!origin_.has_value()) return absl::OkStatus();
+    return ParallelFor(context_, points.size(), [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) points[i] += *origin_;
+    });
   }
 
   absl::Status SolveControlMesh() {
     const LimitStencil stencil = DooSabinModifiedStencil();
     result_.control_positions.resize(input_.vertex_count());
     const SolveProblem problem = {
-        .mesh = *mesh_, .stencil = stencil, .points = input_.positions, .scale = scale_};
+        .mesh = *mesh_, .stencil = stencil, .points = points_, .scale = scale_};
     LIMN_ASSIGN_OR_RETURN(result_.solve, Solve(context_, problem, options_.solve,
                                                absl::MakeSpan(result_.control_positions)));
     return absl::OkStatus();
@@ -174,6 +203,10 @@ class Pipeline {
   const InterpolateOptions& options_;
   InterpolateResult result_;
   double scale_ = 1;
+  // The points to interpolate: the input's, or those moved by -origin_.
+  absl::Span<const Vec3> points_;
+  std::optional<Vec3> origin_;
+  Buffer<Vec3> moved_points_;
   // T^(k-1) of the current level k.
   std::optional<HalfEdgeMesh> mesh_;
   // Points of M^k.

@@ -63,20 +63,27 @@ absl::Status CheckIndices(const io::SurfaceView& view) {
   for (const Index begin : view.face_begin) {
     if (begin < before || begin > view.vertices.size()) {
       return MakeError("face_begin decreases or passes the last corner",
-                       {.reason = Reason::kMalformedRequest, .field = "face_begin"});
+                       {.reason = Reason::kMalformedRequest,
+                        .field = "face_begin",
+                        .remedy = "See PolygonMesh for what it holds"});
     }
     before = begin;
   }
   if (!view.normals.empty() && view.normals.size() != view.positions.size()) {
     return MakeError(
         absl::StrCat(view.normals.size(), " normals for ", view.positions.size(), " vertices"),
-        {.reason = Reason::kMalformedRequest, .field = "normals"});
+        {.reason = Reason::kMalformedRequest,
+         .field = "normals",
+         .remedy = "Give one normal per vertex, or none"});
   }
   for (std::size_t c = 0; c < view.vertices.size(); ++c) {
     if (view.vertices[c] < view.positions.size()) continue;
     return MakeError(absl::StrCat("corner ", c, " names vertex ", view.vertices[c], " of ",
                                   view.positions.size()),
-                     {.reason = Reason::kIndexOutOfRange, .field = "corners", .index = c});
+                     {.reason = Reason::kIndexOutOfRange,
+                      .field = "corners",
+                      .index = c,
+                      .remedy = "Every vertex of a face must exist"});
   }
   return absl::OkStatus();
 }

@@ -9,55 +9,21 @@
 #include <cstring>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "client/io/mesh_collector.h"
+#include "client/io/ply_header.h"
 #include "client/io/text_scanner.h"
 
 namespace limn::io {
 namespace {
 
-enum class Scalar { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
-
-struct ScalarName {
-  std::string_view name;
-  Scalar scalar;
-};
-
-constexpr std::array kScalarNames = {
-    ScalarName{"char", Scalar::kInt8},      ScalarName{"int8", Scalar::kInt8},
-    ScalarName{"uchar", Scalar::kUint8},    ScalarName{"uint8", Scalar::kUint8},
-    ScalarName{"short", Scalar::kInt16},    ScalarName{"int16", Scalar::kInt16},
-    ScalarName{"ushort", Scalar::kUint16},  ScalarName{"uint16", Scalar::kUint16},
-    ScalarName{"int", Scalar::kInt32},      ScalarName{"int32", Scalar::kInt32},
-    ScalarName{"uint", Scalar::kUint32},    ScalarName{"uint32", Scalar::kUint32},
-    ScalarName{"float", Scalar::kFloat32},  ScalarName{"float32", Scalar::kFloat32},
-    ScalarName{"double", Scalar::kFloat64}, ScalarName{"float64", Scalar::kFloat64},
-};
-
-bool IsInteger(Scalar scalar) { return scalar < Scalar::kFloat32; }
-
-std::size_t SizeOf(Scalar scalar) {
-  constexpr std::array<std::size_t, 8> kSizes = {1, 1, 2, 2, 4, 4, 4, 8};
-  return kSizes[static_cast<std::size_t>(scalar)];
-}
-
-enum class Encoding { kText, kLittleEndian, kBigEndian };
-
-enum class Role { kSkipped, kX, kY, kZ, kCorners };
-
-struct Property {
-  Role role = Role::kSkipped;
-  bool list = false;
-  Scalar count = Scalar::kUint8;  // of lists
-  Scalar value = Scalar::kFloat32;
-};
-
-struct Element {
-  std::string name;
-  std::uint64_t count = 0;
-  std::vector<Property> properties;
-};
+using ply::Element;
+using ply::Encoding;
+using ply::Header;
+using ply::Property;
+using ply::Role;
+using ply::Scalar;
+using ply::SizeOf;
 
 // Values of the body, one after the other. Functions return false at the end of the file or where
 // the text is no such number.
@@ -142,130 +108,6 @@ class Body {
   TextScanner text_;
   Encoding encoding_;
   std::size_t at_ = 0;
-};
-
-// Parses the header line by line.
-class Header {
- public:
-  Header(std::string_view bytes, const MeshCollector& collector)
-      : scanner_(bytes, '\0', /*continued=*/false), collector_(collector) {}
-
-  absl::Status Read() {
-    if (scanner_.TokenOnLine() != "ply") return Malformed("a PLY file should begin with ply");
-    bool has_format = false;
-    while (scanner_.NextLine()) {
-      const std::string_view keyword = scanner_.TokenOnLine();
-      if (keyword == "format") {
-        has_format = true;
-        LIMN_RETURN_IF_ERROR(ReadFormat());
-      } else if (keyword == "element") {
-        LIMN_RETURN_IF_ERROR(ReadElement());
-      } else if (keyword == "property") {
-        LIMN_RETURN_IF_ERROR(ReadProperty());
-      } else if (keyword == "end_header") {
-        if (!has_format) return Malformed("the header has no format");
-        scanner_.NextLine();
-        return absl::OkStatus();
-      } else if (keyword != "comment" && keyword != "obj_info" && !keyword.empty()) {
-        return Malformed(Quoted(keyword) + " is not part of a PLY header");
-      }
-    }
-    return Malformed("the header has no end_header");
-  }
-
-  Encoding encoding() const { return encoding_; }
-  const std::vector<Element>& elements() const { return elements_; }
-  std::size_t size() const { return scanner_.offset(); }
-  std::uint64_t lines() const { return scanner_.line(); }
-
- private:
-  absl::Status Malformed(const std::string& what) const {
-    return collector_.Malformed(scanner_.line(), what);
-  }
-
-  absl::Status ReadFormat() {
-    const std::string_view name = scanner_.TokenOnLine();
-    if (name == "ascii") {
-      encoding_ = Encoding::kText;
-    } else if (name == "binary_little_endian") {
-      encoding_ = Encoding::kLittleEndian;
-    } else if (name == "binary_big_endian") {
-      encoding_ = Encoding::kBigEndian;
-    } else {
-      return Malformed(
-          "the format should be ascii, binary_little_endian or binary_big_endian, not " +
-          Quoted(name));
-    }
-    return absl::OkStatus();
-  }
-
-  absl::Status ReadElement() {
-    Element element;
-    element.name = std::string(scanner_.TokenOnLine());
-    const std::string_view token = scanner_.TokenOnLine();
-    std::int64_t count = 0;
-    if (element.name.empty() || !ParseInteger(token, &count) || count < 0) {
-      return Malformed("an element should have a name and a count, not " + Quoted(token));
-    }
-    element.count = static_cast<std::uint64_t>(count);
-    elements_.push_back(std::move(element));
-    return absl::OkStatus();
-  }
-
-  absl::Status ReadScalar(Scalar* scalar) {
-    const std::string_view token = scanner_.TokenOnLine();
-    for (const ScalarName& entry : kScalarNames) {
-      if (entry.name != token) continue;
-      *scalar = entry.scalar;
-      return absl::OkStatus();
-    }
-    // "list" is taken for the type by the caller.
-    return Malformed(Quoted(token) + " is not a type of PLY");
-  }
-
-  absl::Status ReadProperty() {
-    if (elements_.empty()) return Malformed("a property should follow an element");
-    Element& element = elements_.back();
-    Property property;
-    TextScanner ahead = scanner_;
-    property.list = ahead.TokenOnLine() == "list";
-    if (property.list) {
-      scanner_ = ahead;
-      LIMN_RETURN_IF_ERROR(ReadScalar(&property.count));
-      if (!IsInteger(property.count)) return Malformed("a list's length should be an integer");
-    }
-    LIMN_RETURN_IF_ERROR(ReadScalar(&property.value));
-    const std::string_view name = scanner_.TokenOnLine();
-    if (name.empty()) return Malformed("a property should have a name");
-    LIMN_RETURN_IF_ERROR(SetRole(element, name, &property));
-    element.properties.push_back(property);
-    return absl::OkStatus();
-  }
-
-  absl::Status SetRole(const Element& element, std::string_view name, Property* property) const {
-    if (element.name == "tristrips") return Malformed("triangle strips are not supported");
-    const bool corners = name == "vertex_indices" || name == "vertex_index";
-    if (element.name == "vertex" && !property->list) {
-      if (name == "x") property->role = Role::kX;
-      if (name == "y") property->role = Role::kY;
-      if (name == "z") property->role = Role::kZ;
-    } else if (element.name == "face" && corners) {
-      if (!property->list || !IsInteger(property->value)) {
-        return Malformed("a face's vertices should be a list of integers");
-      }
-      property->role = Role::kCorners;
-    }
-    for (const Property& other : element.properties) {
-      if (other.role == Role::kSkipped || other.role != property->role) continue;
-      return Malformed("the property " + Quoted(name) + " is there twice");
-    }
-    return absl::OkStatus();
-  }
-
-  TextScanner scanner_;
-  const MeshCollector& collector_;
-  Encoding encoding_ = Encoding::kText;
-  std::vector<Element> elements_;
 };
 
 class BodyReader {

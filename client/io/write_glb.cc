@@ -151,8 +151,9 @@ int AddMaterial(tinygltf::Model* model) {
 absl::Status WriteGlb(const SurfaceView& view, OutputFile* file) {
   const std::size_t triangles = view.triangle_count();
   if (view.positions.empty() || triangles == 0) {
-    return MakeError("a surface without faces cannot be written as .glb",
-                     {.reason = Reason::kEmptyMesh, .field = "faces"});
+    return MakeError(
+        "a surface without faces cannot be written as .glb",
+        {.reason = Reason::kEmptyMesh, .field = "faces", .remedy = "Write .ply or .obj"});
   }
   const std::uint64_t bytes =
       12 * std::uint64_t{view.positions.size() + view.normals.size()} + 12 * triangles;

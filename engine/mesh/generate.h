@@ -29,7 +29,7 @@ enum class MeshKind {
   // down to an even number, as Euler's formula wants it.
   kNgons,
   // A box of quads whose edge lengths grow away from one corner. At most `vertices`, and at least
-  // 9/10 of them from 100 on.
+  // 9/10 of them from 200 on.
   kCube,
   // An open, wavy rectangle of quads, some of them split or merged. Exactly `vertices`.
   kGrid,

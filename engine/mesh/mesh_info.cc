@@ -239,13 +239,13 @@ class Describer {
 
   void Report() {
     std::vector<MeshProblem>* problems = &info_.problems;
-    if (!sound_) {
+    if (info_.vertices == 0 || mesh_.face_count() == 0) {
+      problems->push_back({Reason::kEmptyMesh, 1, 0,
+                           info_.vertices == 0 ? "there are no vertices" : "there are no faces"});
+    } else if (!sound_) {
       problems->push_back({Reason::kMalformedRequest, 1, 0,
                            "face_begin does not begin at 0, decreases, or ends elsewhere than at "
                            "the number of corners"});
-    } else if (info_.vertices == 0 || info_.faces == 0) {
-      problems->push_back({Reason::kEmptyMesh, 1, 0,
-                           info_.vertices == 0 ? "there are no vertices" : "there are no faces"});
     }
     too_small_.Report(Reason::kFaceTooSmall, "faces have fewer than three corners", "face",
                       problems);

@@ -21,7 +21,12 @@ inline constexpr double kMaxCoordinate = 1e100;
 struct BoundingBox {
   Vec3 min = {0, 0, 0};
   Vec3 max = {0, 0, 0};
-  double diagonal() const { return Norm(max - min); }
+  // Also where the squares of the sides underflow.
+  double diagonal() const {
+    const Vec3 side = max - min;
+    const double scale = MaxAbs(side);
+    return scale > 0 ? scale * Norm({side.x / scale, side.y / scale, side.z / scale}) : 0;
+  }
 };
 
 // Checks that all coordinates are finite and at most kMaxCoordinate in magnitude, and computes

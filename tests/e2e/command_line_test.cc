@@ -23,7 +23,7 @@ class CommandLineE2e : public testing::Test {
     command.insert(command.end(), arguments.begin(), arguments.end());
     Process process(command, space_.log("limnd"));
     const int status = process.Wait();
-    return {status, process.Output(), process.Errors()};
+    return {status, process.Output(), process.ErrorText()};
   }
 
   Workspace space_;

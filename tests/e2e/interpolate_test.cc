@@ -37,7 +37,7 @@ void ExpectInterpolates(const ObjFile& given, const ObjFile& surface) {
 class EveryKindE2e : public InterpolateE2e, public testing::WithParamInterface<const char*> {};
 
 TEST_P(EveryKindE2e, SurfacePassesThroughEveryGivenVertexInOrder) {
-  const ServerProcess server(space_);
+  ServerProcess server(space_);
   const std::string given_path = Generate(GetParam(), "1000");
   const RunResult run = space_.Limn({"interpolate", given_path, "--server", server.address(), "-o",
                                      At("s.obj"), "--control-mesh", At("c.obj")});
@@ -78,7 +78,7 @@ TEST_F(InterpolateE2e, VerticesAreInterpolatedWhateverTheSolverAndItsTolerance) 
 }
 
 TEST_F(InterpolateE2e, ServerAndEmbeddedServerAndAnyNumberOfThreadsGiveTheSameBytes) {
-  const ServerProcess server(space_);
+  ServerProcess server(space_);
   const std::string given = Generate("irregular_sphere", "3000");
   const std::vector<std::vector<std::string>> ways = {
       {"--server", server.address()}, {}, {"--threads", "1"}, {"--threads", "2"}};

@@ -8,11 +8,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
-#include <functional>
 #include <iterator>
 #include <stdexcept>
 #include <thread>
@@ -23,29 +23,26 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kPoll{10};
 
-// Whether `condition` came true in time.
-bool WaitUntil(double timeout_seconds, const std::function<bool()>& condition) {
-  const auto end = Clock::now() + std::chrono::duration<double>(timeout_seconds);
-  while (!condition()) {
-    if (Clock::now() > end) return false;
-    std::this_thread::sleep_for(kPoll);
-  }
-  return true;
+// Opens a terminal. Returns our end; *name becomes the file that is the other end.
+int OpenTerminal(std::string* name) {
+  const int fd = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (fd < 0 || grantpt(fd) != 0 || unlockpt(fd) != 0) throw std::runtime_error("no terminal");
+  *name = ptsname(fd);
+  return fd;
 }
 
-pid_t Spawn(const std::vector<std::string>& command, const std::filesystem::path& base) {
+// outputs: files of stdout and stderr.
+pid_t Spawn(const std::vector<std::string>& command, const std::array<std::string, 2>& outputs) {
   std::vector<char*> arguments;
   for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
 
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  const int flags = O_WRONLY | O_CREAT | O_TRUNC | O_APPEND;
+  const int flags = O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_NOCTTY;
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, (base.string() + ".out").c_str(), flags,
-                                   0600);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, (base.string() + ".err").c_str(), flags,
-                                   0600);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, outputs[0].c_str(), flags, 0600);
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, outputs[1].c_str(), flags, 0600);
   pid_t pid = -1;
   const int error = posix_spawn(&pid, arguments[0], &actions, nullptr, arguments.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
@@ -64,13 +61,20 @@ std::vector<std::string> ServerCommand(const Workspace& workspace,
 
 }  // namespace
 
-Process::Process(const std::vector<std::string>& command, const std::filesystem::path& base)
-    : base_(base), pid_(Spawn(command, base)) {}
+Process::Process(const std::vector<std::string>& command, const std::filesystem::path& base,
+                 Errors errors)
+    : base_(base) {
+  std::string errors_file = base.string() + ".err";
+  if (errors == Errors::kTerminal) terminal_ = OpenTerminal(&errors_file);
+  pid_ = Spawn(command, {base.string() + ".out", errors_file});
+}
 
 Process::~Process() {
-  if (!Running()) return;
-  Signal(SIGKILL);
-  Reap(0);
+  if (Running()) {
+    Signal(SIGKILL);
+    Reap(0);
+  }
+  if (terminal_ >= 0) close(terminal_);
 }
 
 void Process::Signal(int signal) const {
@@ -97,7 +101,15 @@ bool Process::Running() { return !Reap(WNOHANG); }
 
 std::string Process::Output() const { return ReadAll(base_.string() + ".out"); }
 
-std::string Process::Errors() const { return ReadAll(base_.string() + ".err"); }
+std::string Process::ErrorText() {
+  if (terminal_ < 0) return ReadAll(base_.string() + ".err");
+  std::array<char, 4096> buffer;
+  // Ends with EAGAIN while the process runs and with EIO when it has ended.
+  for (ssize_t got = 0; (got = read(terminal_, buffer.data(), buffer.size())) > 0;) {
+    terminal_text_.append(buffer.data(), static_cast<std::size_t>(got));
+  }
+  return terminal_text_;
+}
 
 Workspace::Workspace() {
   std::string pattern = (std::filesystem::temp_directory_path() / "limn-e2e-XXXXXX").string();
@@ -120,14 +132,14 @@ RunResult Workspace::Limn(const std::vector<std::string>& arguments) const {
   command.insert(command.end(), arguments.begin(), arguments.end());
   Process process(command, logs_ / "limn");
   const int status = process.Wait();
-  return {status, process.Output(), process.Errors()};
+  return {status, process.Output(), process.ErrorText()};
 }
 
 Process* Workspace::StartLimn(const std::vector<std::string>& arguments) {
   std::vector<std::string> command = {LIMN_BINARY};
   command.insert(command.end(), arguments.begin(), arguments.end());
   const std::string name = "limn-" + std::to_string(started_.size());
-  started_.push_back(std::make_unique<Process>(command, logs_ / name));
+  started_.push_back(std::make_unique<Process>(command, logs_ / name, Process::Errors::kTerminal));
   return started_.back().get();
 }
 
@@ -152,8 +164,17 @@ ServerProcess::ServerProcess(const Workspace& workspace, const std::vector<std::
   address_ = "127.0.0.1:" + port;
 }
 
-bool ServerProcess::WaitForLog(const std::string& text, double timeout_seconds) const {
+bool ServerProcess::WaitForLog(const std::string& text, double timeout_seconds) {
   return WaitUntil(timeout_seconds, [&] { return Log().find(text) != std::string::npos; });
+}
+
+bool WaitUntil(double timeout_seconds, const std::function<bool()>& condition) {
+  const auto end = Clock::now() + std::chrono::duration<double>(timeout_seconds);
+  while (!condition()) {
+    if (Clock::now() > end) return false;
+    std::this_thread::sleep_for(kPoll);
+  }
+  return true;
 }
 
 std::string ReadAll(const std::filesystem::path& path) {

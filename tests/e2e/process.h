@@ -5,6 +5,7 @@
 #include <sys/types.h>
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -14,9 +15,13 @@ namespace limn::e2e {
 // A process that writes its output into files.
 class Process {
  public:
-  // Starts `command` (program and arguments). stdout and stderr go to the files BASE.out and
-  // BASE.err, which are emptied first.
-  Process(const std::vector<std::string>& command, const std::filesystem::path& base);
+  // What stderr is.
+  enum class Errors { kFile, kTerminal };
+
+  // Starts `command` (program and arguments). stdout goes to the file BASE.out, which is emptied
+  // first, stderr likewise to BASE.err or to a terminal of its own.
+  Process(const std::vector<std::string>& command, const std::filesystem::path& base,
+          Errors errors = Errors::kFile);
   // Kills what still runs.
   ~Process();
   Process(const Process&) = delete;
@@ -29,7 +34,8 @@ class Process {
   bool Running();
 
   std::string Output() const;
-  std::string Errors() const;
+  // What has been written to stderr so far.
+  std::string ErrorText();
 
   static constexpr int kTimedOut = -1;
 
@@ -37,6 +43,9 @@ class Process {
   bool Reap(int flags);
 
   std::filesystem::path base_;
+  // The terminal's other end, or -1.
+  int terminal_ = -1;
+  std::string terminal_text_;
   pid_t pid_ = -1;
   bool ended_ = false;
   int status_ = 0;
@@ -59,7 +68,7 @@ class Workspace {
   std::filesystem::path path(const std::string& name) const { return files_ / name; }
   // Runs `limn` with these arguments to its end.
   RunResult Limn(const std::vector<std::string>& arguments) const;
-  // Starts it.
+  // Starts it, with a terminal as stderr.
   Process* StartLimn(const std::vector<std::string>& arguments);
   // Names of all files that the tests' commands made, sorted.
   std::vector<std::string> Files() const;
@@ -81,15 +90,18 @@ class ServerProcess {
 
   const std::string& address() const { return address_; }
   // Everything that it has printed.
-  std::string Log() const { return process_.Output() + process_.Errors(); }
+  std::string Log() { return process_.Output() + process_.ErrorText(); }
   // Waits until its log contains `text`.
-  bool WaitForLog(const std::string& text, double timeout_seconds = 20) const;
+  bool WaitForLog(const std::string& text, double timeout_seconds = 20);
   Process& process() { return process_; }
 
  private:
   Process process_;
   std::string address_;
 };
+
+// Polls until `condition` holds; whether it did in time.
+bool WaitUntil(double timeout_seconds, const std::function<bool()>& condition);
 
 std::string ReadAll(const std::filesystem::path& path);
 void WriteAll(const std::filesystem::path& path, const std::string& bytes);

@@ -161,9 +161,7 @@ TEST(Perturb, OnlyTranslatesCoincidentImages) {
 }
 
 TEST(Perturb, OnlyTranslatesImagesThatEncloseNoArea) {
-  // A figure of eight whose loops cancel.
-  ExpectOnlyTranslated({{1, 1, 0.3}, {-1, -1, 0.3}, {-1, 1, -0.3}, {1, -1, -0.3}}, {0.5, 0.25, 0.1},
-                       1e-15);
+  // Figures of eight whose loops cancel.
   std::mt19937_64 random(10);
   for (int i = 0; i < 100; ++i) {
     const Vec3 c = Near(&random, {0, 0, 0}, 3);

@@ -172,14 +172,16 @@ Points SolveEquation6(const Mesh& given) {
 
 Points Equation1(const Points& face) {
   const std::size_t m = face.size();
+  // alpha[d] is alpha_ij for (i - j) mod m = d.
+  std::vector<Real> alpha;
+  for (std::size_t d = 0; d < m; ++d) {
+    const Real angle = 2 * kPi * static_cast<Real>(d) / m;
+    alpha.push_back(d == 0 ? (m + 5) / static_cast<Real>(4 * m)
+                           : (3 + 2 * std::cos(angle)) / static_cast<Real>(4 * m));
+  }
   Points images(m);
   for (std::size_t i = 0; i < m; ++i) {
-    for (std::size_t j = 0; j < m; ++j) {
-      const Real angle = 2 * kPi * (static_cast<Real>(i) - static_cast<Real>(j)) / m;
-      const Real alpha = i == j ? (m + 5) / static_cast<Real>(4 * m)
-                                : (3 + 2 * std::cos(angle)) / static_cast<Real>(4 * m);
-      images[i] = images[i] + alpha * face[j];
-    }
+    for (std::size_t j = 0; j < m; ++j) images[i] = images[i] + alpha[(i + m - j) % m] * face[j];
   }
   return images;
 }
@@ -330,7 +332,13 @@ Point DeepNormal(const Points& face) {
     offsets = Equation1(offsets);
     for (Point& offset : offsets) offset = 2.0L * offset;
   }
-  return Equation10(offsets);
+  Point sum;
+  Real spread = 0;
+  for (std::size_t i = 0; i < offsets.size(); ++i) {
+    sum = sum + Cross(offsets[i], offsets[(i + 1) % offsets.size()]);
+    spread += Dot(offsets[i], offsets[i]);
+  }
+  return Norm(sum) <= 1e-12L * spread ? Point{} : Unit(sum);
 }
 
 Points DeepNormals(const DooSabinMesh& mesh, const Tiling& tiling) {

@@ -68,7 +68,7 @@ Points InTileOrder(const DooSabinMesh& mesh, const Tiling& tiling);
 Points LimitPoints(const DooSabinMesh& mesh, const Tiling& tiling);
 
 // Normals of T^k: average normals of the faces that M^k's faces become after many refinements.
-// Zero for faces of two corners.
+// Zero for faces that become a line or a point.
 Points DeepNormals(const DooSabinMesh& mesh, const Tiling& tiling);
 Point DeepNormal(const Points& face);
 
