@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: MIT
+// What the whole job refuses, how much memory it takes, and how it stops.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "engine/interpolate.h"
+#include "engine/mesh/generate.h"
+#include "tests/engine/allocation_meter.h"
+#include "tests/oracle/expect.h"
+
+namespace limn {
+namespace {
+
+using oracle::ExpectError;
+using std::chrono::milliseconds;
+
+PolygonMesh Generated(MeshKind kind, std::uint64_t vertices) {
+  auto mesh = GenerateMesh({.kind = kind, .vertices = vertices, .seed = 6});
+  EXPECT_TRUE(mesh.ok()) << mesh.status();
+  return *std::move(mesh);
+}
+
+absl::Status Refusal(const PolygonMesh& mesh, const InterpolateOptions& options = {},
+                     const Limits& limits = {}) {
+  return Interpolate(Context(limits), mesh, options).status();
+}
+
+TEST(InterpolateLimits, RefusesWhatIsNoManifold) {
+  for (const oracle::BrokenMesh& broken : oracle::BrokenMeshes()) {
+    SCOPED_TRACE(broken.name);
+    ExpectError(Refusal(broken.mesh), {broken.reason, broken.field, broken.first});
+  }
+  ExpectError(Refusal({}), {Reason::kEmptyMesh, "mesh.vertices"});
+}
+
+TEST(InterpolateLimits, RefusesOpenMeshesAndNamesTheBoundary) {
+  const PolygonMesh cube = oracle::Cube();
+  PolygonMesh open;
+  open.positions = cube.positions;
+  for (std::size_t f = 0; f + 1 < cube.face_count(); ++f) open.AddFace(cube.face(f));
+  const absl::Status status = Refusal(open);
+  // The first face along the hole, and the vertex that its side on the hole leaves.
+  Index first = kNoIndex;
+  Index vertex = kNoIndex;
+  const HalfEdgeMesh built = oracle::BuildOrDie(open);
+  for (Index h = built.half_edge_count(); h-- > 0;) {
+    if (built.twin()[h] == kNoIndex) {
+      first = built.face()[h];
+      vertex = built.vertex()[h];
+    }
+  }
+  ExpectError(status, {Reason::kOpenMesh, "mesh.faces", first});
+  EXPECT_NE(status.message().find("4 boundary edges"), std::string_view::npos) << status;
+  EXPECT_NE(status.message().find(absl::StrCat("vertex ", vertex, " in face ", first)),
+            std::string_view::npos)
+      << status;
+  for (const MeshKind kind : {MeshKind::kGrid, MeshKind::kDisk}) {
+    EXPECT_EQ(GetErrorDetail(Refusal(Generated(kind, 300)))->reason, Reason::kOpenMesh);
+  }
+}
+
+TEST(InterpolateLimits, RefusesCoordinatesThatArithmeticCannotTake) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const double bad : {std::nan(""), infinity, -infinity}) {
+    PolygonMesh mesh = oracle::Cube();
+    mesh.positions[5].y = bad;
+    ExpectError(Refusal(mesh), {Reason::kNonFiniteCoordinate, "mesh.vertices", 5});
+  }
+  for (const double bad : {1e308, -1e308, 1e101}) {
+    PolygonMesh mesh = oracle::Cube();
+    mesh.positions[6].z = bad;
+    ExpectError(Refusal(mesh), {Reason::kCoordinateTooLarge, "mesh.vertices", 6});
+  }
+}
+
+TEST(InterpolateLimits, SchemesThatAreNotBuiltAnswerUnimplemented) {
+  for (const Scheme scheme : {Scheme::kCatmullClark, Scheme::kLoop}) {
+    ExpectError(Refusal(oracle::Cube(), {.scheme = scheme}), {Reason::kUnimplemented, "scheme"});
+  }
+}
+
+TEST(InterpolateLimits, RefusesOptionsOutOfRange) {
+  const PolygonMesh cube = oracle::Cube();
+  ExpectError(Refusal(cube, {.solve = {.tolerance = std::nan("")}}),
+              {Reason::kInvalidOption, "solve.tolerance"});
+  ExpectError(Refusal(cube, {.solve = {.max_sweeps = 10001}}),
+              {Reason::kInvalidOption, "solve.max_sweeps"});
+  ExpectError(Refusal(cube, {.level = 11}), {Reason::kInvalidOption, "surface.level"});
+  ExpectError(Refusal(cube, {.level = 4}, {.max_level = 3}),
+              {Reason::kInvalidOption, "surface.level"});
+  ExpectError(Refusal(cube, {.level = ~0U}), {Reason::kInvalidOption, "surface.level"});
+  EXPECT_TRUE(Refusal(cube, {.level = 3}, {.max_level = 3}).ok());
+  // Without a surface its level does not matter.
+  EXPECT_TRUE(Refusal(cube, {.level = 99, .surface = false}).ok());
+}
+
+TEST(InterpolateLimits, RefusesWhatExceedsTheLimitsBeforeAllocating) {
+  const PolygonMesh mesh = Generated(MeshKind::kIrregularSphere, 5000);
+  struct Case {
+    std::string field;
+    InterpolateOptions options;
+    Limits limits;
+  };
+  const std::uint64_t bytes =
+      EstimateBytes(mesh.vertex_count(), mesh.face_count(), mesh.corner_count(), {});
+  const Case cases[] = {
+      {"mesh.vertices", {}, {.max_vertices = 4999}},
+      {"mesh.corners", {}, {.max_corners = mesh.corner_count() - 1}},
+      {"surface.level", {}, {.max_bytes = bytes - 1}},
+      // More half-edges than their numbers can count, whatever the memory.
+      {"surface.level",
+       {.level = 12},
+       {.max_level = 30, .max_bytes = std::numeric_limits<std::uint64_t>::max()}},
+      {"surface.level",
+       {.level = 30},
+       {.max_level = 30, .max_bytes = std::numeric_limits<std::uint64_t>::max()}},
+  };
+  for (const Case& refused : cases) {
+    SCOPED_TRACE(absl::StrCat(refused.field, ", level ", refused.options.level));
+    const AllocationMeter meter;
+    const absl::Status status = Refusal(mesh, refused.options, refused.limits);
+    EXPECT_LE(meter.peak(), 16384U);
+    ExpectError(status, {Reason::kLimitExceeded, refused.field});
+    EXPECT_NE(GetErrorDetail(status)->remedy, "");
+  }
+  EXPECT_TRUE(
+      Refusal(mesh, {},
+              {.max_vertices = 5000, .max_corners = mesh.corner_count(), .max_bytes = bytes})
+          .ok());
+}
+
+TEST(InterpolateLimits, EstimateIsAnUpperBoundWithinAFactorOfTwo) {
+  for (const MeshKind kind : AllMeshKinds()) {
+    if (!IsClosedKind(kind)) continue;
+    const PolygonMesh mesh = Generated(kind, 20000);
+    std::vector<InterpolateOptions> all;
+    for (const std::uint32_t level : {0U, 1U, 2U, 3U}) {
+      all.push_back({.level = level});
+      all.push_back({.level = level, .normals = false});
+    }
+    all.push_back({.surface = false});
+    all.push_back({.solve = {.method = SolveMethod::kJacobi}, .surface = false});
+    all.push_back({.solve = {.method = SolveMethod::kGaussSeidel}, .surface = false});
+    for (const InterpolateOptions& options : all) {
+      for (const int threads : {1, 2}) {
+        SCOPED_TRACE(absl::StrCat(std::string(MeshKindName(kind)), ", level ", options.level,
+                                  ", surface ", options.surface, ", normals ", options.normals,
+                                  ", method ", static_cast<int>(options.solve.method)));
+        const std::uint64_t estimate =
+            EstimateBytes(mesh.vertex_count(), mesh.face_count(), mesh.corner_count(), options);
+        const std::size_t peak = oracle::WithThreads(threads, [&] {
+          const AllocationMeter meter;
+          EXPECT_TRUE(Refusal(mesh, options).ok());
+          return meter.peak();
+        });
+        EXPECT_LE(peak, estimate);
+        EXPECT_LE(estimate, 2 * peak);
+      }
+    }
+  }
+}
+
+// Points that are moved to the origin are counted too.
+TEST(InterpolateLimits, EstimateHoldsFarFromTheOrigin) {
+  const PolygonMesh mesh =
+      oracle::Moved(Generated(MeshKind::kIrregularSphere, 20000), 1, {1e6, 0, 0});
+  for (const InterpolateOptions& options : {InterpolateOptions{}, InterpolateOptions{.level = 0},
+                                            InterpolateOptions{.surface = false}}) {
+    const AllocationMeter meter;
+    ASSERT_TRUE(Refusal(mesh, options).ok());
+    EXPECT_LE(meter.peak(),
+              EstimateBytes(mesh.vertex_count(), mesh.face_count(), mesh.corner_count(), options));
+  }
+}
+
+TEST(InterpolateLimits, EstimateGrowsAndSaturates) {
+  EXPECT_EQ(EstimateBytes(~0ULL, ~0ULL, ~0ULL, {.level = 30}),
+            std::numeric_limits<std::uint64_t>::max());
+  std::uint64_t last = EstimateBytes(1000, 1000, 4000, {.surface = false});
+  for (const std::uint32_t level : {1U, 2U, 5U, 10U, 16U}) {
+    const std::uint64_t bytes = EstimateBytes(1000, 1000, 4000, {.level = level});
+    EXPECT_GT(bytes, last);
+    last = bytes;
+  }
+}
+
+struct Stages {
+  std::vector<std::string> order;
+  std::vector<ProgressEvent> events;
+  void Listen(Context* context) {
+    context->set_progress([this](const ProgressEvent& event) {
+      events.push_back(event);
+      if (order.empty() || order.back() != event.stage) order.emplace_back(event.stage);
+    });
+  }
+};
+
+TEST(InterpolateLimits, StagesComeInTheirOrderWithGrowingProgress) {
+  const std::vector<std::string> with_surface = {"build",   "solve",  "first_refinement",
+                                                 "perturb", "refine", "limit"};
+  const std::vector<std::string> without = {"build", "solve"};
+  for (const bool surface : {true, false}) {
+    Context context;
+    Stages stages;
+    stages.Listen(&context);
+    const auto result = Interpolate(context, oracle::Cube(), {.level = 4, .surface = surface});
+    ASSERT_TRUE(result.ok()) << result.status();
+    EXPECT_EQ(stages.order, surface ? with_surface : without);
+    std::vector<std::string> timed;
+    for (const StageTime& stage : result->stages) {
+      timed.emplace_back(stage.stage);
+      EXPECT_GE(stage.milliseconds, 0);
+      EXPECT_LT(stage.milliseconds, 60000);
+    }
+    EXPECT_EQ(timed, stages.order);
+    for (std::size_t i = 0; i < stages.events.size(); ++i) {
+      EXPECT_GE(stages.events[i].fraction, 0);
+      EXPECT_LE(stages.events[i].fraction, 1);
+      if (i > 0 && stages.events[i].stage == stages.events[i - 1].stage) {
+        EXPECT_GT(stages.events[i].fraction, stages.events[i - 1].fraction);
+      }
+    }
+  }
+}
+
+TEST(InterpolateLimits, CancelEndsTheStageInWhichItComes) {
+  const PolygonMesh mesh = Generated(MeshKind::kIrregularSphere, 5000);
+  for (const std::string stage :
+       {"build", "solve", "first_refinement", "perturb", "refine", "limit"}) {
+    SCOPED_TRACE(stage);
+    Context context;
+    std::string last;
+    context.set_progress([&](const ProgressEvent& event) {
+      last = std::string(event.stage);
+      if (event.stage == stage) context.Cancel();
+    });
+    ExpectError(Interpolate(context, mesh, {}).status(), {Reason::kCancelled});
+    EXPECT_EQ(last, stage);
+  }
+}
+
+TEST(InterpolateLimits, StoppedJobsDoNotStart) {
+  const PolygonMesh cube = oracle::Cube();
+  const Context cancelled;
+  cancelled.Cancel();
+  ExpectError(Interpolate(cancelled, cube, {}).status(), {Reason::kCancelled});
+  Context late;
+  late.set_deadline(Context::Clock::now());
+  ExpectError(Interpolate(late, cube, {}).status(), {Reason::kDeadlineExceeded});
+}
+
+// Stops at moments all over a long job: each time the job ends in a small part of its time.
+TEST(InterpolateLimits, CancelAndDeadlineEndTheJobSoon) {
+  const PolygonMesh mesh = Generated(MeshKind::kIrregularSphere, 10000);
+  const InterpolateOptions options = {.level = 4};
+  const auto run = [&](const Context& context) {
+    const auto begin = Context::Clock::now();
+    const absl::Status status = Interpolate(context, mesh, options).status();
+    return std::pair(status, Context::Clock::now() - begin);
+  };
+  const auto [whole_status, whole] = run(Context());
+  ASSERT_TRUE(whole_status.ok());
+  const auto soon = whole / 4 + milliseconds(50);
+  for (const int percent : {5, 20, 40, 60}) {
+    SCOPED_TRACE(percent);
+    const auto moment = whole * percent / 100;
+    const Context context;
+    std::thread other([&] {
+      std::this_thread::sleep_for(moment);
+      context.Cancel();
+    });
+    const auto [cancelled, cancel_time] = run(context);
+    other.join();
+    ExpectError(cancelled, {Reason::kCancelled});
+    EXPECT_LT(cancel_time, moment + soon);
+
+    Context late;
+    late.set_deadline(Context::Clock::now() + moment);
+    const auto [expired, deadline_time] = run(late);
+    ExpectError(expired, {Reason::kDeadlineExceeded});
+    EXPECT_LT(deadline_time, moment + soon);
+  }
+}
+
+}  // namespace
+}  // namespace limn
