@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <new>
 #include <optional>
 #include <utility>
@@ -49,6 +48,15 @@ absl::Status CheckOptions(const Context& context, const PolygonMesh& mesh,
                      {.reason = Reason::kInvalidOption,
                       .field = "surface.level",
                       .remedy = absl::StrCat("It must be at most ", context.limits().max_level)});
+  }
+  // Half-edges of the finest connectivity, T^(level - 1).
+  const double half_edges = std::ldexp(static_cast<double>(mesh.corner_count()),
+                                       options.level < 2 ? 0 : 2 * (options.level - 1));
+  if (options.surface && half_edges >= kNoIndex) {
+    return MakeError(absl::StrCat("the refined mesh would have ", half_edges, " half-edges"),
+                     {.reason = Reason::kLimitExceeded,
+                      .field = "surface.level",
+                      .remedy = "Choose a lower level"});
   }
   const std::uint64_t bytes =
       EstimateBytes(mesh.vertex_count(), mesh.face_count(), mesh.corner_count(), options);
@@ -215,40 +223,6 @@ class Pipeline {
 };
 
 }  // namespace
-
-std::uint64_t EstimateBytes(std::uint64_t vertices, std::uint64_t faces, std::uint64_t corners,
-                            const InterpolateOptions& options) {
-  // Doubles cannot overflow here, and a count's last bits do not matter.
-  const double v = static_cast<double>(vertices);
-  const double f = static_cast<double>(faces);
-  const double c = static_cast<double>(corners);
-  constexpr double kPoint = sizeof(Vec3);
-  constexpr double kIndex = sizeof(Index);
-  // Build: vertex, face, twin, edge and fan, and the buckets' ends; then half an index for edges.
-  const double base = 6.5 * kIndex * c + 2 * kIndex * v + kIndex * f;
-  const double solve = 4 * kPoint * v + (kPoint + 2 * kIndex) * f + 2 * kIndex * (c + v);
-  double peak = base + solve;
-  if (options.surface) {
-    const double control = kPoint * v;
-    const double per_vertex = kPoint * (options.normals ? 2 : 1);
-    const std::uint32_t level = std::max<std::uint32_t>(1, options.level);
-    const double last = c * std::pow(4.0, level - 1);
-    // T^(level - 1): vertex, twin, edge, half an index for edges, a quarter for vertices.
-    const double connectivity = level == 1 ? base : 3.75 * kIndex * last;
-    // T^level has a vertex for each vertex, edge and face of T^(level - 1).
-    const double out_vertices = options.level == 0 ? v : v + f + (level == 1 ? 0.5 : 1.0) * last;
-    const double out_faces = options.level == 0 ? kIndex * (c + f) : 4 * kIndex * last;
-    const double limit =
-        control + kPoint * last + connectivity + per_vertex * out_vertices + out_faces;
-    // While the last refinement runs, the level before is there too.
-    const double refine =
-        control + (level == 1 ? base + kPoint * last : 1.25 * (kPoint * last + connectivity));
-    peak = std::max({peak, limit, refine});
-  }
-  constexpr double kMost = 1.8e19;
-  return peak >= kMost ? std::numeric_limits<std::uint64_t>::max()
-                       : static_cast<std::uint64_t>(peak);
-}
 
 absl::StatusOr<InterpolateResult> Interpolate(const Context& context, const PolygonMesh& mesh,
                                               const InterpolateOptions& options) {

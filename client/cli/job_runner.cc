@@ -45,6 +45,10 @@ class Answer {
       LIMN_ASSIGN_OR_RETURN(result.surface, surface_.Finish());
       result.surface.level = summary_->level();
     }
+    if (result.surface.vertex_count() != summary_->surface_vertices() ||
+        result.surface.face_count() != summary_->surface_faces()) {
+      return BadAnswer("the surface is not what the summary says");
+    }
     result.summary = *std::move(summary_);
     return result;
   }

@@ -58,7 +58,7 @@ using WriteFunction = std::function<absl::Status(const std::string& path)>;
 // Writes to the staged name of `path`, but speaks of `path` when that fails.
 absl::Status WriteStaged(StagedFiles* files, const std::string& path, const WriteFunction& write) {
   const std::string temporary = files->Stage(path);
-  const absl::Status status = write(temporary);
+  absl::Status status = write(temporary);
   if (status.ok()) return status;
   return {status.code(), absl::StrReplaceAll(status.message(), {{temporary, path}})};
 }

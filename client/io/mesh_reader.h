@@ -2,12 +2,12 @@
 // Mesh files to PolygonMesh: OBJ, OFF, PLY (text and both binary forms), STL (text and binary).
 //
 // The files are parsed here and not by OpenMesh 9, whose readers neither keep the input nor survive
-// it: all four parse coordinates into float32 before any importer sees them (1/3 loses 8 digits;
-// its OBJ reader drops a vertex of 1e300 and so shifts every later index, its PLY reader makes it
-// 3.4e38); the OBJ and STL readers drop faces with repeated vertices; the OFF reader takes counts
-// from uninitialised memory after a comment or "nan", and accepts truncated files; OFF and PLY
-// counts are allocated unseen (bad_alloc from 30 bytes). For meshes that are in OpenMesh already
-// see engine/mesh/openmesh.h.
+// it. All four parse coordinates into float32 before an importer sees them, so 17 digits become 8;
+// beyond float32's range the OBJ reader drops the vertex and thereby shifts every later index. The
+// OBJ and STL readers drop faces with repeated vertices. The OFF reader takes counts and indices
+// from uninitialised memory after a comment or "nan" and accepts truncated files. Counts in OFF and
+// PLY are allocated unseen: bad_alloc from a few bytes. For meshes that are in OpenMesh already see
+// engine/mesh/openmesh.h.
 #pragma once
 
 #include <string>

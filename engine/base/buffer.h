@@ -5,6 +5,7 @@
 
 #include <sys/mman.h>
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -15,6 +16,17 @@
 #include <vector>
 
 namespace limn {
+
+// Buffers are aligned to cache lines, large ones to huge pages; the last one is theirs to the end.
+inline constexpr std::size_t kCacheLine = 64;
+inline constexpr std::size_t kHugePage = std::size_t{2} << 20;
+inline constexpr std::size_t kHugeFrom = std::size_t{4} << 20;
+
+// Bytes that a buffer takes for `bytes` of elements. A double, for estimates beyond all memory.
+inline double BufferBytes(double bytes) {
+  const double unit = bytes >= kHugeFrom ? kHugePage : kCacheLine;
+  return std::ceil(bytes / unit) * unit;
+}
 
 // Allocator of Buffer. Elements are default-initialised (left as they are for plain types), memory
 // is aligned to cache lines, and to huge pages from 4 MiB upwards. Throws std::bad_alloc.
@@ -55,11 +67,6 @@ class UninitializedAllocator {
   friend bool operator==(const UninitializedAllocator& /*a*/, const UninitializedAllocator& /*b*/) {
     return true;
   }
-
- private:
-  static constexpr std::size_t kCacheLine = 64;
-  static constexpr std::size_t kHugePage = std::size_t{2} << 20;
-  static constexpr std::size_t kHugeFrom = std::size_t{4} << 20;
 };
 
 // A std::vector whose resize(n) leaves new plain elements uninitialised; resize(n, value) sets

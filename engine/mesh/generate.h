@@ -64,8 +64,8 @@ bool IsClosedKind(MeshKind kind);
 std::uint64_t MinGeneratedVertices(MeshKind kind);
 
 // A valid, oriented, connected 2-manifold, counter-clockwise seen from outside (open kinds: from
-// above). Errors: INVALID_OPTION for `vertices` out of range, OUT_OF_MEMORY. Cost: about 1 s and
-// 300 bytes of working memory per vertex for a million vertices. Thread-safe.
+// above). Errors: INVALID_OPTION for `vertices` out of range, OUT_OF_MEMORY. Cost: up to 3 s
+// for a million vertices. Thread-safe.
 [[nodiscard]] absl::StatusOr<PolygonMesh> GenerateMesh(const GenerateOptions& options);
 
 }  // namespace limn

@@ -176,6 +176,49 @@ void Remix::FlipSome(double share_of_edges, Random* random) {
   for (std::size_t i = 0; i < count; ++i) Flip(edges[i]);
 }
 
+bool Remix::OnBoundary(Index corner) const {
+  Index h = corner;
+  do {
+    if (twin_[h] == kNoIndex) return true;
+    h = twin_[prev_[h]];
+  } while (h != corner && h != kNoIndex);
+  return h == kNoIndex;
+}
+
+// One vertex after the other, so that what was checked stays true.
+void Remix::Smooth(const Place& place, PolygonMesh* mesh) const {
+  constexpr int kRounds = 3;
+  const Buffer<Index> corners = FirstCorners();
+  for (int round = 0; round < kRounds; ++round) {
+    for (const Index first : corners) {
+      if (OnBoundary(first)) continue;
+      const Index v = vertex_[first];
+      Vec3 sum = {0, 0, 0};
+      for (Index h = first; true;) {
+        sum += mesh->positions[vertex_[next_[h]]];
+        h = twin_[prev_[h]];
+        if (h == first) break;
+      }
+      const Vec3 old = mesh->positions[v];
+      mesh->positions[v] = place(0.5 * old + 0.5 / valence_[v] * sum);
+      if (Folds(first)) mesh->positions[v] = old;
+    }
+  }
+}
+
+// Whether a triangle around the corner's vertex looks the wrong way or has next to no area.
+bool Remix::Folds(Index corner) const {
+  const Index v = vertex_[corner];
+  Index h = corner;
+  do {
+    const Vec3 a = mesh_.positions[vertex_[next_[h]]] - mesh_.positions[v];
+    const Vec3 b = mesh_.positions[vertex_[prev_[h]]] - mesh_.positions[v];
+    if (Dot(Cross(a, b), normals_[v]) < limits_.min_turn * Norm(a) * Norm(b)) return true;
+    h = twin_[prev_[h]];
+  } while (h != corner);
+  return false;
+}
+
 std::size_t Remix::MergeSome(std::size_t wanted, Random* random) {
   const Buffer<Index> edges = EdgesInRandomOrder(random);
   // Some vertices keep all their edges, or large valences would die out.

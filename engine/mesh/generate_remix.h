@@ -31,6 +31,12 @@ class Remix {
   // Tries to replace random edges between triangles by the other diagonal.
   void FlipSome(double share_of_edges, Random* random);
 
+  // Moves the vertices of triangles that are not on the boundary towards the mean of their
+  // neighbours, which takes slivers out, unless that would fold a face. `place` puts a point back
+  // onto the surface; `mesh` is that of the constructor.
+  using Place = Vec3 (*)(const Vec3& point);
+  void Smooth(const Place& place, PolygonMesh* mesh) const;
+
   // Removes random edges where that is allowed, at most `wanted`, those at vertices above
   // max_valence first. Returns how many.
   std::size_t MergeSome(std::size_t wanted, Random* random);
@@ -62,6 +68,8 @@ class Remix {
   bool Adjacent(Index corner, Index other) const;
   bool ShareOnlyEdge(Index h) const;
   bool Convex(Index a, Index b, Index c) const;
+  bool OnBoundary(Index corner) const;
+  bool Folds(Index corner) const;
   Buffer<Index> EdgesInRandomOrder(Random* random) const;
 
   const PolygonMesh& mesh_;

@@ -154,12 +154,16 @@ void MakeBumpy(Random* random, PolygonMesh* mesh) {
   for (Vec3& p : mesh->positions) p *= 1 + 0.5 * waves.At(p) + 0.05 * details.At(p);
 }
 
+Vec3 ToSphere(const Vec3& point) { return NormalizedOrZero(point); }
+Vec3 ToPlane(const Vec3& point) { return {point.x, point.y, 0}; }
+
 }  // namespace
 
 PolygonMesh IrregularSphere(std::uint64_t vertices, Random* random) {
   PolygonMesh mesh = EvenSphere(vertices, random);
   Remix remix(mesh, mesh.positions, {.max_valence = 9, .max_arity = 8});
   remix.FlipSome(0.5, random);
+  remix.Smooth(ToSphere, &mesh);
   remix.MergeSome(static_cast<std::size_t>(vertices), random);
   remix.TakeFaces(&mesh);
   MakeBumpy(random, &mesh);
@@ -168,10 +172,11 @@ PolygonMesh IrregularSphere(std::uint64_t vertices, Random* random) {
 
 // The dual of an irregular triangulation: a vertex per triangle, a face per vertex.
 PolygonMesh Ngons(std::uint64_t vertices, Random* random) {
-  const PolygonMesh triangles = EvenSphere(vertices / 2 + 2, random);
+  PolygonMesh triangles = EvenSphere(vertices / 2 + 2, random);
   Remix remix(triangles, triangles.positions, {.max_valence = 12});
   remix.FlipSome(1, random);
   remix.FlipSome(0.5, random);
+  remix.Smooth(ToSphere, &triangles);
   PolygonMesh mesh;
   Buffer<Index> face;
   for (const Index corner : remix.FirstCorners()) {
@@ -237,6 +242,7 @@ PolygonMesh Disk(std::uint64_t vertices, Random* random) {
   const Buffer<Vec3> normals(mesh.vertex_count(), Vec3{0, 0, 1});
   Remix remix(mesh, normals, {.max_valence = 9, .max_arity = 8});
   remix.FlipSome(0.5, random);
+  remix.Smooth(ToPlane, &mesh);
   remix.MergeSome(static_cast<std::size_t>(vertices), random);
   remix.TakeFaces(&mesh);
   const Waves waves(random, 1);

@@ -173,17 +173,17 @@ class HalfEdgeMeshBuilder {
     const bool large = static_cast<std::size_t>(end - begin) > kLargeBucket;
     if (large) std::sort(begin, end);
     for (auto a = begin; a != end; ++a) mesh_.twin_[a->half_edge] = kNoIndex;
-    bool good = true;
     for (auto a = begin; a != end; ++a) {
       for (auto b = a + 1; b != end; ++b) {
         if (a->other_end == b->other_end) {
-          good &= Pair(a->half_edge, b->half_edge);
+          // At once: a thousand faces at an edge must not be a million pairs.
+          if (!Pair(a->half_edge, b->half_edge)) return false;
         } else if (large) {
           break;
         }
       }
     }
-    return good;
+    return true;
   }
 
   bool Pair(Index a, Index b) {

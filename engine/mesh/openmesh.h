@@ -3,8 +3,12 @@
 // checks are asserts, so nothing reaches it that is not known to be valid.
 #pragma once
 
+// OpenMesh's vectors are uninitialised on purpose, which GCC warns of in sanitizer builds.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
 #include <OpenMesh/Core/Mesh/Traits.hh>
+#pragma GCC diagnostic pop
 
 #include "absl/status/statusor.h"
 #include "engine/base/context.h"

@@ -113,6 +113,24 @@ absl::Status RefineQuads(const Context& context, const DooSabinLevel& level, con
                      });
 }
 
+// Growing step by step would take twice the memory.
+void ReserveFans(const HalfEdgeMesh& mesh, ExtraordinaryFans* fans) {
+  std::size_t count = 0;
+  std::size_t corners = 0;
+  const auto add = [&](std::size_t size) {
+    if (size == 4) return;
+    ++count;
+    corners += size;
+  };
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) add(mesh.valence(v));
+  for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+    add(mesh.face_begin()[f + 1] - mesh.face_begin()[f]);
+  }
+  fans->vertex.reserve(count);
+  fans->begin.reserve(count + 1);
+  fans->corner.reserve(corners);
+}
+
 }  // namespace
 
 absl::Status FirstRefinement(const Context& context, const HalfEdgeMesh& mesh,
@@ -136,6 +154,7 @@ absl::StatusOr<ExtraordinaryFans> FindExtraordinaryFans(const Context& context,
                                                         const HalfEdgeMesh& mesh) {
   LIMN_RETURN_IF_ERROR(context.Check());
   ExtraordinaryFans fans;
+  ReserveFans(mesh, &fans);
   fans.begin.push_back(0);
   const auto close = [&](std::size_t vertex) {
     fans.vertex.push_back(static_cast<Index>(vertex));

@@ -11,7 +11,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
-#include "proto/wire/draco_encoder.h"
 #include "proto/wire/draco_reader.h"
 #include "proto/wire/triangulation.h"
 
@@ -150,14 +149,18 @@ absl::StatusOr<Polygons> RebuildPolygons(const draco::Mesh& mesh, Buffer<Index> 
   return polygons;
 }
 
-absl::Status FillVertices(const draco::Mesh& mesh, const Numbering& numbering, bool by_id,
+absl::Status FillVertices(const draco::Mesh& mesh, const Numbering& numbering, bool want_normals,
                           DracoOutput* out) {
   const draco::PointAttribute& position =
       *mesh.GetNamedAttribute(draco::GeometryAttribute::POSITION);
   LIMN_ASSIGN_OR_RETURN(const Buffer<Index> values, CornerValues(mesh, position));
+  // Normals come with tiles only, which name their vertices.
+  const bool by_id = NamedAttribute(mesh, kOriginalIdName) != nullptr;
   out->mesh.positions = by_id ? GatherVectors(numbering, position, values) : AllVectors(position);
   const draco::PointAttribute* normal = mesh.GetNamedAttribute(draco::GeometryAttribute::NORMAL);
-  if (!by_id || normal == nullptr || normal->num_components() != 3) return absl::OkStatus();
+  if (!want_normals || !by_id || normal == nullptr || normal->num_components() != 3) {
+    return absl::OkStatus();
+  }
   LIMN_ASSIGN_OR_RETURN(const Buffer<Index> normal_values, CornerValues(mesh, *normal));
   out->normals = GatherVectors(numbering, *normal, normal_values);
   return absl::OkStatus();
@@ -185,7 +188,7 @@ absl::StatusOr<DracoOutput> DecodeDraco(std::string_view bytes, const DracoBound
                       .remedy = "Send a smaller mesh, or check the counts of the header"});
   }
   DracoOutput out;
-  LIMN_RETURN_IF_ERROR(FillVertices(*mesh, numbering, ids != nullptr, &out));
+  LIMN_RETURN_IF_ERROR(FillVertices(*mesh, numbering, bounds.want_normals, &out));
   LIMN_ASSIGN_OR_RETURN(Polygons polygons,
                         RebuildPolygons(*mesh, std::move(numbering.corner_vertex)));
   out.mesh.face_begin = std::move(polygons.face_begin);

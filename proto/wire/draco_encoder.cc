@@ -16,6 +16,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "engine/base/error.h"
+#include "proto/wire/draco_header.h"
 
 namespace limn::wire {
 namespace {
@@ -101,9 +102,11 @@ class MeshBuilder {
       const Index arity = static_cast<Index>(faces.arity(f));
       std::memcpy(bytes.data() + f * sizeof(Index), &arity, sizeof(Index));
     }
-    auto metadata = std::make_unique<draco::GeometryMetadata>();
-    metadata->AddEntryBinary(kAritiesEntry, bytes);
-    mesh_.AddMetadata(std::move(metadata));
+    // The names of attributes stand in the same metadata.
+    if (mesh_.GetMetadata() == nullptr) {
+      mesh_.AddMetadata(std::make_unique<draco::GeometryMetadata>());
+    }
+    mesh_.metadata()->AddEntryBinary(kAritiesEntry, bytes);
   }
 
   const draco::Mesh& mesh() const { return mesh_; }

@@ -14,11 +14,6 @@
 
 namespace limn::wire {
 
-// Names under which Limn's data stand in a Draco mesh; see mesh.proto.
-inline constexpr char kAritiesEntry[] = "limn.arities";
-inline constexpr char kOriginalIdName[] = "original_id";
-inline constexpr char kAddedEdgesName[] = "added_edges";
-
 // What is encoded. Indices are in range and arities 3 or more.
 struct DracoInput {
   PolygonView faces;

@@ -18,6 +18,11 @@
 
 namespace limn::wire {
 
+// Names under which Limn's data stand in a Draco mesh; see mesh.proto.
+inline constexpr char kAritiesEntry[] = "limn.arities";
+inline constexpr char kOriginalIdName[] = "original_id";
+inline constexpr char kAddedEdgesName[] = "added_edges";
+
 // What may be decoded at the most.
 struct DracoBounds {
   std::uint64_t max_vertices = 0;
@@ -26,6 +31,8 @@ struct DracoBounds {
   bool triangles_claimed = false;
   // Bytes that Draco may need for it, by the estimate of DracoDecodeBytes.
   std::uint64_t max_bytes = 0;
+  // Whether normals are wanted. Only of servers: their decoder is fenced less.
+  bool want_normals = false;
 };
 
 // Attributes, position included, that a Draco mesh may have; more are refused.

@@ -30,12 +30,69 @@ bool AttributesAreAllowed(const draco::PointCloud& mesh) {
          position->data_type() != draco::DT_BOOL;
 }
 
-template <class Decoder>
-class FencedDecoder : public Decoder {
+// Sequential: one decoder holds all attributes, and predicts from the value before only.
+class FencedSequentialDecoder : public draco::MeshSequentialDecoder {
  protected:
   bool DecodeAllAttributes() override {
-    return AttributesAreAllowed(*this->point_cloud()) && Decoder::DecodeAllAttributes();
+    return AttributesAreAllowed(*point_cloud()) && MeshSequentialDecoder::DecodeAllAttributes();
   }
+};
+
+// Edgebreaker: attributes come one by one, each with a decoder and a prediction of its own choice.
+// The predictions for texture coordinates read a count from the bytes and believe it: four bytes
+// cost seconds and hundreds of megabytes. So what is not wanted is not decoded where that can be
+// avoided, and these predictions are not let in.
+class FencedEdgebreakerDecoder : public draco::MeshEdgebreakerDecoder {
+ public:
+  explicit FencedEdgebreakerDecoder(bool want_normals) : want_normals_(want_normals) {}
+
+ protected:
+  bool DecodeAllAttributes() override {
+    if (!AttributesAreAllowed(*point_cloud())) return false;
+    int wanted = num_attributes_decoders() - 1;
+    while (wanted >= 0 && !IsWanted(wanted)) --wanted;
+    for (int i = 0; i <= wanted; ++i) {
+      if (!MayDecode(i)) return false;
+      // The accessor is const for Draco's own reasons; the object is not.
+      auto* decoder = const_cast<draco::AttributesDecoderInterface*>(attributes_decoder(i));
+      if (!decoder->DecodeAttributes(buffer())) return false;
+    }
+    return true;
+  }
+
+ private:
+  const draco::PointAttribute* FirstAttribute(int decoder) {
+    return point_cloud()->attribute(attributes_decoder(decoder)->GetAttributeId(0));
+  }
+
+  bool IsPosition(const draco::PointAttribute* attribute) {
+    return attribute == mesh()->GetNamedAttribute(draco::GeometryAttribute::POSITION);
+  }
+
+  bool IsWanted(int decoder) {
+    const draco::PointAttribute* attribute = FirstAttribute(decoder);
+    return IsPosition(attribute) || attribute == NamedAttribute(*mesh(), kOriginalIdName) ||
+           attribute == NamedAttribute(*mesh(), kAddedEdgesName) ||
+           (want_normals_ && attribute->attribute_type() == draco::GeometryAttribute::NORMAL);
+  }
+
+  // The prediction stands in the next two bytes, method and transform, unless the values are raw
+  // floats. Positions cannot be predicted from positions; normals are wanted from servers only.
+  bool MayDecode(int decoder) {
+    if (attributes_decoder(decoder)->GetNumAttributes() != 1) return false;
+    const draco::PointAttribute* attribute = FirstAttribute(decoder);
+    if (IsPosition(attribute) ||
+        (want_normals_ && attribute->attribute_type() == draco::GeometryAttribute::NORMAL)) {
+      return true;
+    }
+    if (buffer()->remaining_size() < 2) return false;
+    const int method = buffer()->data_head()[0];
+    return buffer()->data_head()[1] != draco::PREDICTION_TRANSFORM_WRAP ||
+           (method != draco::MESH_PREDICTION_TEX_COORDS_PORTABLE &&
+            method != draco::MESH_PREDICTION_TEX_COORDS_DEPRECATED);
+  }
+
+  const bool want_normals_;
 };
 
 absl::Status CheckMesh(const draco::Mesh& mesh, const DracoHeader& header) {
@@ -66,11 +123,17 @@ absl::StatusOr<std::unique_ptr<draco::Mesh>> ReadDraco(std::string_view bytes,
   const draco::DecoderOptions options;
   draco::Status status;
   if (header.edgebreaker) {
-    status = FencedDecoder<draco::MeshEdgebreakerDecoder>().Decode(options, &buffer, mesh.get());
+    status = FencedEdgebreakerDecoder(bounds.want_normals).Decode(options, &buffer, mesh.get());
   } else {
-    status = FencedDecoder<draco::MeshSequentialDecoder>().Decode(options, &buffer, mesh.get());
+    status = FencedSequentialDecoder().Decode(options, &buffer, mesh.get());
   }
-  if (!status.ok()) return Malformed(absl::StrCat("does not decode: ", status.error_msg_string()));
+  if (!status.ok()) {
+    return MakeError(
+        absl::StrCat("the Draco mesh does not decode: ", status.error_msg_string()),
+        {.reason = Reason::kMalformedEncoding,
+         .field = "mesh",
+         .remedy = "If another program reads it, encode positions only, or with speed 5 or less"});
+  }
   LIMN_RETURN_IF_ERROR(CheckMesh(*mesh, header));
   return mesh;
 }

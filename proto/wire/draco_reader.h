@@ -18,8 +18,11 @@
 
 namespace limn::wire {
 
-// A decoded triangle mesh. All of its triangles name points that are there (checked; Draco's
-// sequential decoder does not).
+// A decoded triangle mesh. Attributes beside POSITION, "original_id", "added_edges" and, if wanted,
+// NORMAL may have been left without values. Edgebreaker meshes whose attributes share one decoder
+// (Draco's speeds of 6 and above, with more than positions), and those with texture coordinates
+// before a wanted attribute, are MALFORMED_ENCODING. All triangles name points that are there
+// (checked; Draco's sequential decoder does not).
 [[nodiscard]] absl::StatusOr<std::unique_ptr<draco::Mesh>> ReadDraco(std::string_view bytes,
                                                                      const DracoBounds& bounds);
 

@@ -16,7 +16,7 @@ constexpr std::string_view kDomain = "limn";
 constexpr std::string_view kErrorInfoUrl = "type.googleapis.com/google.rpc.ErrorInfo";
 constexpr std::string_view kBadRequestUrl = "type.googleapis.com/google.rpc.BadRequest";
 constexpr std::string_view kRetryInfoUrl = "type.googleapis.com/google.rpc.RetryInfo";
-constexpr std::size_t kMaxText = 1024;
+constexpr std::size_t kMaxText = 512;
 
 // Trailers of more than 8 KiB are dropped by peers, and proto strings must be UTF-8.
 std::string Trailer(std::string_view text) {

@@ -24,7 +24,7 @@ inline constexpr std::string_view kQueueField = "queue";
 inline constexpr int kRetryDelaySeconds = 1;
 
 // An error, or ok, as gRPC says it. Messages travel in trailers, which are small: they are cut
-// after 1 KiB, and bytes outside of ASCII become '?'. Thread-safe.
+// after 512 bytes, and bytes outside of ASCII become '?'. Thread-safe.
 [[nodiscard]] grpc::Status ToGrpcStatus(const absl::Status& status);
 
 // The same as a message, for errors inside a stream. Code 0 and nothing else for ok.

@@ -125,7 +125,8 @@ absl::Status ReadDracoTile(const v1::SurfaceTile& tile, DecodedTile* out) {
   }
   const DracoBounds bounds = {.max_vertices = tile.vertex_count(),
                               .max_triangles = kMaxTileTriangles,
-                              .max_bytes = std::numeric_limits<std::uint64_t>::max()};
+                              .max_bytes = std::numeric_limits<std::uint64_t>::max(),
+                              .want_normals = true};
   LIMN_ASSIGN_OR_RETURN(const DracoOutput draco, DecodeDraco(tile.draco(), bounds));
   LIMN_RETURN_IF_ERROR(CheckPolygons(Context(), draco.mesh, kReceived));
   // Ids 0, 1, 2 ... are not written out.

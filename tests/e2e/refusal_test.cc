@@ -141,9 +141,12 @@ TEST_F(RefusalE2e, NoTruncationCrashesOrLeavesAnOutputAfterAFailure) {
 }
 
 TEST_F(RefusalE2e, MessageNamesTheFileOrThePlaceAndTheRemedy) {
-  std::string cube = kCube;
+  const std::string cube = kCube;
   WriteAll(At("in.obj"), Replaced(cube, "f 5 6 7 8", "f 5 6 7 9"));
-  EXPECT_NE(space_.Limn({"interpolate", At("in.obj")}).errors.find("9"), std::string::npos);
+  const RunResult index = space_.Limn({"interpolate", At("in.obj")});
+  for (const char* word : {"in.obj", "line 10", "face 1", "8 vertices"}) {
+    EXPECT_NE(index.errors.find(word), std::string::npos) << word << " in " << index.errors;
+  }
   WriteAll(At("in.obj"), cube.substr(0, cube.size() - 10));
   const RunResult open = space_.Limn({"interpolate", At("in.obj")});
   EXPECT_NE(open.errors.find("closed"), std::string::npos) << open.errors;

@@ -185,6 +185,18 @@ TEST(HalfEdgeMesh, TakesAHubOfValence20000InLinearithmicTime) {
   }
 }
 
+TEST(HalfEdgeMesh, RefusesManyFacesAtOneEdgeWithoutPairingThemAll) {
+  PolygonMesh mesh;
+  constexpr Index kFaces = 200000;
+  mesh.positions.resize(kFaces + 2);
+  for (Index i = 0; i < kFaces; ++i) mesh.AddFace({0, 1, 2 + i});
+  const auto begin = Context::Clock::now();
+  ExpectError(HalfEdgeMesh::Build(Context(), mesh).status(),
+              {Reason::kNonManifoldEdge, "mesh.faces", 0});
+  // All pairs would take minutes.
+  EXPECT_LT(Context::Clock::now() - begin, std::chrono::seconds(5));
+}
+
 TEST(HalfEdgeMesh, NamesKindCountAndFirstElementOfWhatItRefuses) {
   for (const oracle::BrokenMesh& broken : oracle::BrokenMeshes()) {
     for (const int threads : {1, 2}) {

@@ -267,10 +267,14 @@ TEST(InterpolateLimits, CancelAndDeadlineEndTheJobSoon) {
     const absl::Status status = Interpolate(context, mesh, options).status();
     return std::pair(status, Context::Clock::now() - begin);
   };
-  const auto [whole_status, whole] = run(Context());
-  ASSERT_TRUE(whole_status.ok());
+  auto whole = Context::Clock::duration::max();
+  for (int i = 0; i < 3; ++i) {
+    const auto [status, time] = run(Context());
+    ASSERT_TRUE(status.ok()) << status;
+    whole = std::min(whole, time);
+  }
   const auto soon = whole / 4 + milliseconds(50);
-  for (const int percent : {5, 20, 40, 60}) {
+  for (const int percent : {5, 20, 35, 50}) {
     SCOPED_TRACE(percent);
     const auto moment = whole * percent / 100;
     const Context context;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
 
 #include <cstdint>
 #include <optional>
@@ -48,9 +49,11 @@ inline void ExpectError(const absl::Status& status, const ExpectedError& expecte
   }
 }
 
-// f() in an arena of that many threads.
+// f() in an arena of that many threads, also where there are fewer processors.
 template <class F>
 auto WithThreads(int threads, F&& f) {
+  const tbb::global_control allow(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(threads));
   ThreadArena arena(threads);
   return arena.Execute(std::forward<F>(f));
 }

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+// The arrays that Interpolate holds at a time, stage by stage.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "engine/base/buffer.h"
+#include "engine/base/vec3.h"
+#include "engine/interpolate.h"
+#include "engine/mesh/polygon_mesh.h"
+
+namespace limn {
+namespace {
+
+// More than can be told.
+constexpr double kMost = 1.8e19;
+
+// Counts and bytes are doubles: they cannot overflow, and their last bits do not matter.
+double Bytes(double count, double size) { return BufferBytes(count * size); }
+double Points(double count) { return Bytes(count, sizeof(Vec3)); }
+double Indices(double count) { return Bytes(count, sizeof(Index)); }
+
+// Vertices, edges, faces and half-edges of T^k of a closed mesh.
+struct Counts {
+  double vertices;
+  double edges;
+  double faces;
+  double half_edges;
+
+  Counts Split() const { return {vertices + edges + faces, 4 * edges, half_edges, 4 * half_edges}; }
+};
+
+// A mesh from HalfEdgeMesh::Build: vertex, face, twin, edge, fan and room for as many edges; first
+// half-edges and fans of vertices; first corners of faces.
+double BuiltMesh(const Counts& n) {
+  return 6 * Indices(n.half_edges) + 2 * Indices(n.vertices + 1) + Indices(n.faces + 1);
+}
+
+// A mesh from SplitIntoQuads: vertex, twin, edge; two indices more.
+double SplitMesh(const Counts& n) {
+  return 3 * Indices(n.half_edges) + Indices(n.edges) + Indices(n.vertices);
+}
+
+// The buckets, before the last arrays of the mesh.
+double BuildPeak(const Counts& n) {
+  const double without_edges_and_fan = BuiltMesh(n) - 3 * Indices(n.half_edges);
+  return std::max(BuiltMesh(n), without_edges_and_fan + Bytes(n.half_edges, 2 * sizeof(Index)) +
+                                    2 * Indices(n.vertices + 1));
+}
+
+// The operator's order of vertices and faces, and the arrays of the iteration; see Solve.
+double SolvePeak(const Counts& n, SolveMethod method) {
+  const double limit = 2 * (Indices(n.half_edges) + Indices(n.vertices) + Indices(n.faces));
+  double sweeps = 3 * Points(n.vertices) + Points(n.faces);
+  if (method == SolveMethod::kJacobi) {
+    sweeps += Bytes(n.vertices, sizeof(double)) + Bytes(n.faces, sizeof(double));
+  } else if (method == SolveMethod::kGaussSeidel) {
+    sweeps += Points(n.faces);
+  }
+  return BuiltMesh(n) + limit + sweeps;
+}
+
+// The most of the surface's stages. `n`: of the input.
+double SurfacePeak(Counts n, const InterpolateOptions& options) {
+  double mesh = BuiltMesh(n);
+  double peak = mesh + Points(n.half_edges);
+  double fans = 0;
+  if (options.level >= 2) {
+    // At most every vertex and face is extraordinary.
+    fans = Indices(2 * n.half_edges) + 2 * Indices(n.vertices + n.faces + 1);
+  }
+  for (std::uint32_t k = 1; k < options.level && peak < kMost; ++k) {
+    const Counts split = n.Split();
+    const double coarse = mesh;
+    mesh = SplitMesh(split);
+    // The points of both levels, and then those of the finer one and both connectivities.
+    peak = std::max(
+        peak, fans + coarse + Points(split.half_edges) + std::max(Points(n.half_edges), mesh));
+    n = split;
+  }
+  const Counts surface = options.level == 0 ? n : n.Split();
+  const double tessellation = Points(surface.vertices) * (options.normals ? 2 : 1) +
+                              (options.level == 0 ? Indices(n.faces + 1) + Indices(n.half_edges)
+                                                  : Indices(4 * n.half_edges));
+  return std::max(peak, fans + mesh + Points(n.half_edges) + tessellation);
+}
+
+}  // namespace
+
+std::uint64_t EstimateBytes(std::uint64_t vertices, std::uint64_t faces, std::uint64_t corners,
+                            const InterpolateOptions& options) {
+  const Counts n = {.vertices = static_cast<double>(vertices),
+                    .edges = static_cast<double>(corners) / 2,
+                    .faces = static_cast<double>(faces),
+                    .half_edges = static_cast<double>(corners)};
+  // The control points, and the input's where they are moved to the origin.
+  const double control = 2 * Points(n.vertices);
+  double peak = control + std::max(BuildPeak(n), SolvePeak(n, options.solve.method));
+  if (options.surface) peak = std::max(peak, control + SurfacePeak(n, options));
+  // Lists of blocks and of runs.
+  peak += peak / 64 + 4096;
+  return peak >= kMost ? std::numeric_limits<std::uint64_t>::max()
+                       : static_cast<std::uint64_t>(peak);
+}
+
+}  // namespace limn

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: MIT
+// Time of each stage of an interpolation, in nanoseconds per vertex of the input (refinement and
+// limit: also per point that they write). Run:
+//   build/release/bin/engine_benchmark
+//   build/release/bin/engine_benchmark --benchmark_filter=Sweep --benchmark_repetitions=5
+// Arguments: vertices (irregular sphere, polygons of 3 to 8 sides) and threads.
+#include <benchmark/benchmark.h>
+
+#include <cstdint>
+#include <cstdlib>
+#include <map>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "engine/base/parallel.h"
+#include "engine/constraints/perturb.h"
+#include "engine/interpolate.h"
+#include "engine/limit/doo_sabin_limit.h"
+#include "engine/mesh/generate.h"
+#include "engine/mesh/half_edge_mesh.h"
+#include "engine/mesh/validate.h"
+#include "engine/refine/doo_sabin_refine.h"
+#include "engine/refine/quad_split.h"
+#include "engine/scheme/limit_operator.h"
+#include "engine/solve/solve.h"
+
+namespace limn {
+namespace {
+
+template <class T>
+T OrDie(absl::StatusOr<T> value) {
+  if (!value.ok()) std::abort();
+  return *std::move(value);
+}
+void OrDie(const absl::Status& status) {
+  if (!status.ok()) std::abort();
+}
+
+// Everything that the stages start from, made once per size.
+struct Input {
+  explicit Input(std::uint64_t vertices)
+      : given(OrDie(GenerateMesh({.kind = MeshKind::kIrregularSphere, .vertices = vertices}))),
+        mesh(OrDie(HalfEdgeMesh::Build(context, given))),
+        split(OrDie(SplitIntoQuads(context, mesh))),
+        fans(OrDie(FindExtraordinaryFans(context, mesh))),
+        control(given.positions),
+        first(mesh.half_edge_count()),
+        second(split.half_edge_count()) {
+    OrDie(ValidatePositions(context, given.positions, &box));
+    OrDie(FirstRefinement(context, mesh, control, absl::MakeSpan(first)));
+    OrDie(RefineDooSabin(context, {.mesh = mesh, .fans = fans, .k = 1}, first,
+                         absl::MakeSpan(second)));
+  }
+
+  const Context context;
+  const PolygonMesh given;
+  const HalfEdgeMesh mesh;
+  const HalfEdgeMesh split;
+  const ExtraordinaryFans fans;
+  const LimitStencil stencil = DooSabinModifiedStencil();
+  Buffer<Vec3> control;
+  Buffer<Vec3> first;
+  Buffer<Vec3> second;
+  BoundingBox box;
+};
+
+// The latest size is kept: a million vertices take a second to make.
+Input& InputOf(std::uint64_t vertices) {
+  static std::uint64_t kept = 0;
+  static std::unique_ptr<Input> input;
+  if (kept != vertices) {
+    input.reset();
+    input = std::make_unique<Input>(vertices);
+    kept = vertices;
+  }
+  return *input;
+}
+
+// Runs body(input) in an arena of the wanted threads. written: points that it writes, 0 if none.
+template <class Body>
+void Measure(benchmark::State& state, const Body& body) {
+  Input& input = InputOf(static_cast<std::uint64_t>(state.range(0)));
+  ThreadArena arena(static_cast<int>(state.range(1)));
+  arena.Execute([&] {
+    for (auto _ : state) body(input);
+  });
+  using benchmark::Counter;
+  // Rates are per second and inverted: seconds, times 1e9.
+  state.counters["ns_per_vertex"] = Counter(static_cast<double>(input.given.vertex_count()) * 1e-9,
+                                            Counter::kIsIterationInvariantRate | Counter::kInvert);
+}
+
+void CountWritten(benchmark::State& state, std::size_t points) {
+  using benchmark::Counter;
+  state.counters["ns_per_written"] = Counter(static_cast<double>(points) * 1e-9,
+                                             Counter::kIsIterationInvariantRate | Counter::kInvert);
+}
+
+void BM_Build(benchmark::State& state) {
+  Measure(state, [](Input& input) {
+    const auto mesh = HalfEdgeMesh::Build(input.context, input.given);
+    benchmark::DoNotOptimize(mesh->twin().data());
+  });
+}
+
+// One Chebyshev sweep: the time of 32 sweeps less that of none, by the solver's own loop.
+void BM_Sweep(benchmark::State& state) {
+  constexpr std::uint32_t kSweeps = 32;
+  Input& input = InputOf(static_cast<std::uint64_t>(state.range(0)));
+  ThreadArena arena(static_cast<int>(state.range(1)));
+  const auto solve_time = [&](std::uint32_t sweeps) {
+    const auto begin = Context::Clock::now();
+    OrDie(Solve(input.context,
+                {.mesh = input.mesh,
+                 .stencil = input.stencil,
+                 .points = input.given.positions,
+                 .scale = input.box.diagonal()},
+                {.tolerance = 0, .max_sweeps = sweeps}, absl::MakeSpan(input.control))
+              .status());
+    return std::chrono::duration<double>(Context::Clock::now() - begin).count();
+  };
+  double seconds = 0;
+  arena.Execute([&] {
+    for (auto _ : state) {
+      const double sweeps = (solve_time(kSweeps) - solve_time(0)) / kSweeps;
+      state.SetIterationTime(sweeps);
+      seconds += sweeps;
+    }
+  });
+  state.counters["ns_per_vertex"] =
+      1e9 * seconds / static_cast<double>(state.iterations() * state.range(0));
+}
+
+void BM_SolveTo1e6(benchmark::State& state) {
+  Measure(state, [](Input& input) {
+    OrDie(Solve(input.context,
+                {.mesh = input.mesh,
+                 .stencil = input.stencil,
+                 .points = input.given.positions,
+                 .scale = input.box.diagonal()},
+                {.tolerance = 1e-6}, absl::MakeSpan(input.control))
+              .status());
+  });
+}
+
+void BM_FirstRefinement(benchmark::State& state) {
+  Measure(state, [](Input& input) {
+    OrDie(FirstRefinement(input.context, input.mesh, input.control, absl::MakeSpan(input.first)));
+  });
+}
+
+void BM_Perturb(benchmark::State& state) {
+  Measure(state, [](Input& input) {
+    OrDie(PerturbToInterpolate(input.context, input.mesh, input.given.positions,
+                               absl::MakeSpan(input.first)));
+  });
+}
+
+void BM_QuadSplit(benchmark::State& state) {
+  Measure(state, [](Input& input) {
+    const auto split = SplitIntoQuads(input.context, input.mesh);
+    benchmark::DoNotOptimize(split->twin().data());
+  });
+}
+
+// M^1 to M^2 into memory that is there already.
+void BM_Refine(benchmark::State& state) {
+  Measure(state, [](Input& input) {
+    OrDie(RefineDooSabin(input.context, {.mesh = input.mesh, .fans = input.fans, .k = 1},
+                         input.first, absl::MakeSpan(input.second)));
+  });
+  CountWritten(state, InputOf(static_cast<std::uint64_t>(state.range(0))).second.size());
+}
+
+// Points and normals of T^2 from M^2.
+void BM_Limit(benchmark::State& state) {
+  const Input& made = InputOf(static_cast<std::uint64_t>(state.range(0)));
+  const std::size_t vertices =
+      made.split.vertex_count() + made.split.edge_count() + made.split.face_count();
+  Buffer<Vec3> points(vertices, Vec3{0, 0, 0});
+  Buffer<Vec3> normals(vertices, Vec3{0, 0, 0});
+  Measure(state, [&](Input& input) {
+    OrDie(DooSabinLimit(input.context, {.mesh = input.split, .fans = input.fans, .k = 2},
+                        input.second,
+                        {.points = absl::MakeSpan(points), .normals = absl::MakeSpan(normals)}));
+  });
+  CountWritten(state, vertices);
+}
+
+// The whole job to level 2, with all its allocations.
+void BM_Interpolate(benchmark::State& state) {
+  Measure(state, [](Input& input) {
+    const auto result = Interpolate(input.context, input.given, {.solve = {.tolerance = 1e-6}});
+    benchmark::DoNotOptimize(result->surface.positions.data());
+  });
+}
+
+// Sizes outermost, so that each mesh is made once.
+void Register() {
+  const std::vector<std::pair<const char*, void (*)(benchmark::State&)>> stages = {
+      {"Build", BM_Build},
+      {"SolveTo1e6", BM_SolveTo1e6},
+      {"FirstRefinement", BM_FirstRefinement},
+      {"Perturb", BM_Perturb},
+      {"QuadSplit", BM_QuadSplit},
+      {"Refine", BM_Refine},
+      {"Limit", BM_Limit},
+      {"Interpolate", BM_Interpolate}};
+  for (const std::int64_t vertices : {11540, 100000, 1000000}) {
+    for (const std::int64_t threads : {1, 2}) {
+      benchmark::RegisterBenchmark("Sweep", BM_Sweep)
+          ->Args({vertices, threads})
+          ->ArgNames({"vertices", "threads"})
+          ->UseManualTime()
+          ->Unit(benchmark::kMillisecond);
+      for (const auto& [name, function] : stages) {
+        benchmark::RegisterBenchmark(name, function)
+            ->Args({vertices, threads})
+            ->ArgNames({"vertices", "threads"})
+            ->UseRealTime()
+            ->Unit(benchmark::kMillisecond);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace limn
+
+int main(int argc, char** argv) {
+  limn::Register();
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  return 0;
+}
