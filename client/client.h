@@ -76,8 +76,7 @@ class Client {
 
   // Submits, collects, finishes. on_progress: called for each progress message; false cancels.
   using ProgressCallback = std::function<bool(const v1::Progress&)>;
-  [[nodiscard]] absl::StatusOr<JobResult> Run(v1::InterpolateHeader header,
-                                              const PolygonMesh& mesh,
+  [[nodiscard]] absl::StatusOr<JobResult> Run(v1::InterpolateHeader header, const PolygonMesh& mesh,
                                               const ProgressCallback& on_progress = {}) const;
 
   [[nodiscard]] absl::StatusOr<v1::GetServerInfoResponse> GetServerInfo() const;

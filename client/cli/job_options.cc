@@ -18,8 +18,8 @@ namespace {
 
 using SolveMethod = v1::SolveOptions::Method;
 
-template <class T, std::size_t N>
-using Names = std::array<std::pair<std::string_view, T>, N>;
+template <class T, std::size_t kCount>
+using Names = std::array<std::pair<std::string_view, T>, kCount>;
 
 constexpr Names<v1::Scheme, 3> kSchemes = {{
     {"doo-sabin", v1::SCHEME_DOO_SABIN},
@@ -40,15 +40,15 @@ constexpr Names<v1::MeshEncoding, 3> kEncodings = {{
     {"draco-quantized", v1::MESH_ENCODING_DRACO_QUANTIZED},
 }};
 
-template <class T, std::size_t N>
-CLI::IsMember OneOf(const Names<T, N>& names) {
+template <class T, std::size_t kCount>
+CLI::IsMember OneOf(const Names<T, kCount>& names) {
   std::vector<std::string> words;
   for (const auto& [word, value] : names) words.emplace_back(word);
   return CLI::IsMember(std::move(words));
 }
 
-template <class T, std::size_t N>
-T ValueOf(const Names<T, N>& names, std::string_view name) {
+template <class T, std::size_t kCount>
+T ValueOf(const Names<T, kCount>& names, std::string_view name) {
   for (const auto& [word, value] : names) {
     if (word == name) return value;
   }

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdio>
 #include <cstring>
 #include <memory>
 #include <numeric>
@@ -14,7 +15,6 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "engine/base/error.h"
 #include "proto/wire/draco_header.h"
 
@@ -160,9 +160,14 @@ absl::StatusOr<std::string> Encode(draco::ExpertEncoder* encoder, int method) {
 draco::EncoderOptions GridOptions(int attribute, const QuantizationGrid& grid, int bits) {
   draco::Options position;
   position.SetInt("quantization_bits", std::min(bits, kUsefulQuantizationBits));
-  position.SetString("quantization_origin", absl::StrFormat("%.17g %.17g %.17g", grid.origin[0],
-                                                            grid.origin[1], grid.origin[2]));
-  position.SetString("quantization_range", absl::StrFormat("%.17g", grid.range));
+  const auto exact = [](float value) {
+    char text[32];
+    std::snprintf(text, sizeof(text), "%.17g", static_cast<double>(value));
+    return std::string(text);
+  };
+  position.SetString("quantization_origin", exact(grid.origin[0]) + " " + exact(grid.origin[1]) +
+                                                " " + exact(grid.origin[2]));
+  position.SetString("quantization_range", exact(grid.range));
   draco::EncoderOptions options = draco::EncoderOptions::CreateDefaultOptions();
   options.SetAttributeOptions(attribute, position);
   return options;

@@ -36,7 +36,7 @@ absl::Status WrongSize(const char* field, std::size_t bytes, std::uint64_t expec
 template <class T>
 std::vector<T> Values(const std::string& bytes) {
   std::vector<T> values(bytes.size() / sizeof(T));
-  std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
+  if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
   return values;
 }
 

@@ -108,6 +108,23 @@ TEST_P(SolveTest, ErrorAfterKSweepsIsWithinTheChebyshevBound) {
   }
 }
 
+TEST_P(SolveTest, SweepsOfJacobiAndGaussSeidelAreEquationSeven) {
+  Points jacobi = given_.points;
+  Points gauss_seidel = given_.points;
+  const Real size = oracle::Diagonal(given_.points);
+  for (std::uint32_t k = 1; k <= 3; ++k) {
+    SCOPED_TRACE(k);
+    jacobi = oracle::JacobiSweep(given_, jacobi);
+    gauss_seidel = oracle::GaussSeidelSweep(given_, gauss_seidel);
+    const auto run = [&](SolveMethod method) {
+      return oracle::FromVec3(
+          SolveMesh(mesh_, {.method = method, .tolerance = 0, .max_sweeps = k}).points);
+    };
+    EXPECT_LE(oracle::MaxDistance(run(SolveMethod::kJacobi), jacobi), 1e-14 * size);
+    EXPECT_LE(oracle::MaxDistance(run(SolveMethod::kGaussSeidel), gauss_seidel), 1e-14 * size);
+  }
+}
+
 TEST_P(SolveTest, ResidualIsTheTrueResidual) {
   const Real size = oracle::Diagonal(given_.points);
   for (const SolveMethod method : kMethods) {

@@ -170,6 +170,39 @@ Points SolveEquation6(const Mesh& given) {
   return SolveDense(Equation6(given), right);
 }
 
+namespace {
+
+// V of Eq. 7 from these points.
+Point Equation7(const Mesh& given, const std::vector<Real>& row, int m, const Points& points,
+                std::size_t v) {
+  Point sum = static_cast<Real>(2 * m) * given.points[v];
+  for (std::size_t u = 0; u < points.size(); ++u) {
+    if (u != v) sum = sum - row[u] * points[u];
+  }
+  return (1 / row[v]) * sum;
+}
+
+}  // namespace
+
+Points JacobiSweep(const Mesh& given, const Points& before) {
+  const Matrix matrix = Equation6(given);
+  const std::vector<int> m = FacesAround(given);
+  Points after;
+  for (std::size_t v = 0; v < before.size(); ++v) {
+    after.push_back(Equation7(given, matrix[v], m[v], before, v));
+  }
+  return after;
+}
+
+Points GaussSeidelSweep(const Mesh& given, Points points) {
+  const Matrix matrix = Equation6(given);
+  const std::vector<int> m = FacesAround(given);
+  for (std::size_t v = 0; v < points.size(); ++v) {
+    points[v] = Equation7(given, matrix[v], m[v], points, v);
+  }
+  return points;
+}
+
 Points Equation1(const Points& face) {
   const std::size_t m = face.size();
   // alpha[d] is alpha_ij for (i - j) mod m = d.

@@ -22,6 +22,11 @@ std::vector<int> FacesAround(const Mesh& mesh);
 // The auxiliary mesh's points: Eq. 6 solved for all vertices.
 Points SolveEquation6(const Mesh& given);
 
+// One sweep of Eq. 7: every V from the values before the sweep (Jacobi), or from the newest ones
+// (Gauss-Seidel).
+Points JacobiSweep(const Mesh& given, const Points& before);
+Points GaussSeidelSweep(const Mesh& given, Points points);
+
 // Images of a face's vertices by Eq. 1, and by Eq. 4.
 Points Equation1(const Points& face);
 Points Equation4(const Points& face);

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: MIT
 // What decoding takes from other programs, and what it refuses: header claims and their limits,
 // counts that do not fit, broken indices.
-#include <draco/compression/expert_encode.h>
-#include <draco/mesh/mesh.h>
-#include <draco/point_cloud/point_cloud.h>
-
 #include <array>
 #include <cstring>
-#include <memory>
 
 #include "proto/wire/mesh_codec.h"
+#include "tests/wire/foreign_draco.h"
 #include "tests/wire/test_meshes.h"
 
 namespace limn::wire {
@@ -32,62 +28,6 @@ absl::StatusOr<PolygonMesh> DecodeUnclaimed(const std::string& bytes, const Limi
 
 EncodedMesh Encode(const PolygonMesh& mesh, v1::MeshEncoding encoding) {
   return *EncodeMesh(Context(), mesh, {.encoding = encoding});
-}
-
-// A Draco mesh as another program would make it: an attribute of any type, no names, no ids.
-template <class T>
-std::unique_ptr<draco::Mesh> ForeignMesh(const PolygonMesh& mesh, draco::DataType type) {
-  auto out = std::make_unique<draco::Mesh>();
-  out->set_num_points(static_cast<std::uint32_t>(mesh.vertex_count()));
-  out->SetNumFaces(mesh.face_count());
-  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
-    draco::Mesh::Face face;
-    for (int i = 0; i < 3; ++i) face[i] = draco::PointIndex(mesh.face(f)[i]);
-    out->SetFace(draco::FaceIndex(f), face);
-  }
-  draco::GeometryAttribute position;
-  position.Init(draco::GeometryAttribute::POSITION, nullptr, 3, type, false, 3 * sizeof(T), 0);
-  const int id = out->AddAttribute(position, true, out->num_points());
-  for (std::uint32_t v = 0; v < out->num_points(); ++v) {
-    const Vec3 p = mesh.positions[v];
-    const std::array<T, 3> value = {static_cast<T>(p.x), static_cast<T>(p.y), static_cast<T>(p.z)};
-    out->attribute(id)->SetAttributeValue(draco::AttributeValueIndex(v), value.data());
-  }
-  return out;
-}
-
-std::string ForeignBytes(const draco::Mesh& mesh, int method, int speed,
-                         bool compress_connectivity = false) {
-  draco::ExpertEncoder encoder(mesh);
-  draco::EncoderOptions options = draco::EncoderOptions::CreateDefaultOptions();
-  options.SetGlobalBool("compress_connectivity", compress_connectivity);
-  encoder.Reset(options);
-  encoder.SetEncodingMethod(method);
-  encoder.SetSpeedOptions(speed, speed);
-  for (int a = 0; a < mesh.num_attributes(); ++a) {
-    if (mesh.attribute(a)->data_type() == draco::DT_FLOAT32) {
-      encoder.SetAttributeQuantization(a, 14);
-    }
-  }
-  draco::EncoderBuffer buffer;
-  EXPECT_TRUE(encoder.EncodeToBuffer(&buffer).ok());
-  return std::string(buffer.data(), buffer.size());
-}
-
-// Triangles, with integer coordinates up to 100.
-PolygonMesh TriangleTorus() {
-  PolygonMesh quads = Torus(12, 9);
-  PolygonMesh mesh;
-  for (const Vec3& p : quads.positions) {
-    mesh.positions.push_back(
-        {std::round(50 + 12 * p.x), std::round(50 + 12 * p.y), std::round(50 + 12 * p.z)});
-  }
-  for (std::size_t f = 0; f < quads.face_count(); ++f) {
-    const auto q = quads.face(f);
-    mesh.AddFace(std::vector<Index>{q[0], q[1], q[2]});
-    mesh.AddFace(std::vector<Index>{q[0], q[2], q[3]});
-  }
-  return mesh;
 }
 
 // Faces as points, for meshes whose vertex order is lost.
@@ -133,17 +73,7 @@ TEST(MeshDecodeTest, TakesForeignPositionsOfAnyNumericType) {
 TEST(MeshDecodeTest, TakesForeignMeshesOfEverySpeedWithOtherAttributes) {
   const PolygonMesh mesh = TriangleTorus();
   const auto foreign = ForeignMesh<float>(mesh, draco::DT_FLOAT32);
-  for (const auto type : {draco::GeometryAttribute::NORMAL, draco::GeometryAttribute::TEX_COORD}) {
-    const int components = type == draco::GeometryAttribute::NORMAL ? 3 : 2;
-    draco::GeometryAttribute attribute;
-    attribute.Init(type, nullptr, static_cast<std::uint8_t>(components), draco::DT_FLOAT32, false,
-                   components * 4, 0);
-    const int id = foreign->AddAttribute(attribute, true, foreign->num_points());
-    for (std::uint32_t v = 0; v < foreign->num_points(); ++v) {
-      const std::array<float, 3> value = {0.5F, 0.25F + static_cast<float>(v % 7), 1};
-      foreign->attribute(id)->SetAttributeValue(draco::AttributeValueIndex(v), value.data());
-    }
-  }
+  AddForeignAttributes(foreign.get());
   for (int speed = 0; speed <= 10; ++speed) {
     const auto sequential =
         DecodeUnclaimed(ForeignBytes(*foreign, draco::MESH_SEQUENTIAL_ENCODING, speed));

@@ -122,8 +122,9 @@ TEST(StatusTest, OtherProgramsStatusIsKeptWithItsCode) {
   const auto garbage = FromGrpcStatus(
       grpc::Status(grpc::StatusCode::UNAVAILABLE, "theirs", std::string("\xff\x00garbage", 9)));
   EXPECT_EQ(garbage.code(), absl::StatusCode::kUnavailable);
-  EXPECT_EQ(FromGrpcStatus(grpc::Status(static_cast<grpc::StatusCode>(99), "x")).code(),
-            absl::StatusCode::kUnknown);
+  v1::RichStatus unknown;
+  unknown.set_code(99);
+  EXPECT_EQ(FromRichStatus(unknown).code(), absl::StatusCode::kUnknown);
 }
 
 TEST(StatusTest, OtherProgramsDetailsAreNotTakenForOurs) {
