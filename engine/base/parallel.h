@@ -152,6 +152,9 @@ template <class Count, class Place>
   return status;
 }
 
+// Threads that loops started here may use.
+[[nodiscard]] inline int AvailableThreads() { return tbb::this_task_arena::max_concurrency(); }
+
 // Threads to run jobs on. Loops called inside Execute use at most `threads` threads, the caller's
 // among them. Thread-safe; several jobs may share an arena.
 class ThreadArena {

@@ -114,8 +114,8 @@ class HalfEdgeMeshBuilder {
   absl::Status FillBuckets() {
     const std::size_t vertices = input_.vertex_count();
     constexpr int kMostRanges = 8;
-    const std::size_t ranges = static_cast<std::size_t>(
-        std::clamp(tbb::this_task_arena::max_concurrency(), 1, kMostRanges));
+    const std::size_t ranges =
+        static_cast<std::size_t>(std::clamp(AvailableThreads(), 1, kMostRanges));
     const auto for_each_range = [&](const auto& body) {
       return ParallelFor(context_, ranges, 1, [&](std::size_t first, std::size_t last) {
         const std::size_t lo = vertices * first / ranges;

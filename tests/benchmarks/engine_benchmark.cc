@@ -6,9 +6,9 @@
 // Arguments: vertices (irregular sphere, polygons of 3 to 8 sides) and threads.
 #include <benchmark/benchmark.h>
 
+#include <chrono>
 #include <cstdint>
 #include <cstdlib>
-#include <map>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -77,24 +77,23 @@ Input& InputOf(std::uint64_t vertices) {
   return *input;
 }
 
-// Runs body(input) in an arena of the wanted threads. written: points that it writes, 0 if none.
+// Runs body(input) in an arena of the wanted threads. written: points that it writes, if it is
+// their number that counts.
 template <class Body>
-void Measure(benchmark::State& state, const Body& body) {
+void Measure(benchmark::State& state, const Body& body, std::size_t written = 0) {
   Input& input = InputOf(static_cast<std::uint64_t>(state.range(0)));
   ThreadArena arena(static_cast<int>(state.range(1)));
+  double nanoseconds = 0;
   arena.Execute([&] {
+    const auto begin = Context::Clock::now();
     for (auto _ : state) body(input);
+    nanoseconds = std::chrono::duration<double, std::nano>(Context::Clock::now() - begin).count() /
+                  static_cast<double>(state.iterations());
   });
-  using benchmark::Counter;
-  // Rates are per second and inverted: seconds, times 1e9.
-  state.counters["ns_per_vertex"] = Counter(static_cast<double>(input.given.vertex_count()) * 1e-9,
-                                            Counter::kIsIterationInvariantRate | Counter::kInvert);
-}
-
-void CountWritten(benchmark::State& state, std::size_t points) {
-  using benchmark::Counter;
-  state.counters["ns_per_written"] = Counter(static_cast<double>(points) * 1e-9,
-                                             Counter::kIsIterationInvariantRate | Counter::kInvert);
+  state.counters["ns_per_vertex"] = nanoseconds / static_cast<double>(input.given.vertex_count());
+  if (written != 0) {
+    state.counters["ns_per_written"] = nanoseconds / static_cast<double>(written);
+  }
 }
 
 void BM_Build(benchmark::State& state) {
@@ -166,11 +165,13 @@ void BM_QuadSplit(benchmark::State& state) {
 
 // M^1 to M^2 into memory that is there already.
 void BM_Refine(benchmark::State& state) {
-  Measure(state, [](Input& input) {
-    OrDie(RefineDooSabin(input.context, {.mesh = input.mesh, .fans = input.fans, .k = 1},
-                         input.first, absl::MakeSpan(input.second)));
-  });
-  CountWritten(state, InputOf(static_cast<std::uint64_t>(state.range(0))).second.size());
+  Measure(
+      state,
+      [](Input& input) {
+        OrDie(RefineDooSabin(input.context, {.mesh = input.mesh, .fans = input.fans, .k = 1},
+                             input.first, absl::MakeSpan(input.second)));
+      },
+      InputOf(static_cast<std::uint64_t>(state.range(0))).second.size());
 }
 
 // Points and normals of T^2 from M^2.
@@ -180,12 +181,14 @@ void BM_Limit(benchmark::State& state) {
       made.split.vertex_count() + made.split.edge_count() + made.split.face_count();
   Buffer<Vec3> points(vertices, Vec3{0, 0, 0});
   Buffer<Vec3> normals(vertices, Vec3{0, 0, 0});
-  Measure(state, [&](Input& input) {
-    OrDie(DooSabinLimit(input.context, {.mesh = input.split, .fans = input.fans, .k = 2},
-                        input.second,
-                        {.points = absl::MakeSpan(points), .normals = absl::MakeSpan(normals)}));
-  });
-  CountWritten(state, vertices);
+  Measure(
+      state,
+      [&](Input& input) {
+        OrDie(DooSabinLimit(
+            input.context, {.mesh = input.split, .fans = input.fans, .k = 2}, input.second,
+            {.points = absl::MakeSpan(points), .normals = absl::MakeSpan(normals)}));
+      },
+      vertices);
 }
 
 // The whole job to level 2, with all its allocations.

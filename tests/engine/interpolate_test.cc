@@ -364,6 +364,10 @@ TEST(Interpolate, WorksFarFromTheOriginToTheAccuracyOfTheCoordinates) {
       ASSERT_LE(MaxAbs(result.surface.positions[v] - offset - near.surface.positions[v]),
                 4e-15 * away + 1e-11);
     }
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+      ASSERT_LE(MaxAbs(result.control_positions[v] - offset - near.control_positions[v]),
+                4e-15 * away + 1e-11);
+    }
   }
 }
 
