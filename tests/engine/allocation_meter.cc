@@ -11,7 +11,9 @@
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define LIMN_SANITIZED 1
-#include <sanitizer/allocator_interface.h>
+// From sanitizer/allocator_interface.h, which g++'s packages do not bring.
+extern "C" int __sanitizer_install_malloc_and_free_hooks(  // NOLINT
+    void (*allocated)(const volatile void*, std::size_t), void (*released)(const volatile void*));
 #endif
 
 namespace limn {
