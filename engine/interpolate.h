@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -14,8 +15,10 @@
 #include "engine/base/buffer.h"
 #include "engine/base/context.h"
 #include "engine/base/vec3.h"
+#include "engine/constraints/constraints.h"
 #include "engine/limit/tessellation.h"
 #include "engine/mesh/polygon_mesh.h"
+#include "engine/refine/doo_sabin_surface.h"
 #include "engine/solve/solve.h"
 
 namespace limn {
@@ -23,15 +26,33 @@ namespace limn {
 // Subdivision scheme. Built: kDooSabin. The others answer UNIMPLEMENTED.
 enum class Scheme { kDooSabin, kCatmullClark, kLoop };
 
+// Rule of the first refinement, M^0 -> M^1, which the interpolation equations are set up with.
+enum class FirstRule {
+  // (V + centroid) / 2 [ZC Eq. 4].
+  kModified,
+  // The scheme's own, Nasri's method for Doo-Sabin [ZC Eq. 1].
+  kStandard,
+};
+
 struct InterpolateOptions {
   Scheme scheme = Scheme::kDooSabin;
+  FirstRule rule = FirstRule::kModified;
   SolveOptions solve;
+  // What the surface meets; by default all vertices are interpolated.
+  Constraints constraints;
+  // Cures of overshoot where edge lengths differ; see engine/constraints/fair.h.
+  bool fair = false;
   // Refinements of the input's connectivity in the tessellation, 0 to Limits::max_level.
   std::uint32_t level = 2;
+  // Instead of a level: the smallest one whose guaranteed deviation from the limit surface is at
+  // most this, in model units; greater than 0. See engine/limit/chord_bound.h.
+  std::optional<double> chord_tolerance;
   // Whether to tessellate; without, only the control mesh is found.
   bool surface = true;
   // Whether to compute normals of the tessellation.
   bool normals = true;
+  // Whether to keep the surface itself for exact evaluation.
+  bool keep_patches = false;
 };
 
 // Wall time of a stage.
@@ -47,6 +68,8 @@ struct InterpolateResult {
   // The limit surface; its first vertices are the limit points of the input's vertices, in order.
   // Empty without `surface`.
   Tessellation surface;
+  // With `keep_patches`.
+  std::optional<DooSabinSurface> patches;
   // In the order in which they ran: "build", "solve", and with a surface "first_refinement",
   // "perturb", "refine", "limit".
   std::vector<StageTime> stages;
