@@ -28,7 +28,8 @@ enum class SolveMethod {
 struct SolveOptions {
   SolveMethod method = SolveMethod::kChebyshev;
   // [ZC]'s EPS: stop when the largest move of a vertex in a sweep (maximum norm) is at most this
-  // part of the bounding box's diagonal. In [0, 1). 0 runs max_sweeps.
+  // part of the bounding box's diagonal. Chebyshev asks it of the residual before the sweep too. In
+  // [0, 1). 0 runs max_sweeps.
   double tolerance = 1e-12;
   // [ZC]'s ITE_MAX, 0 to 10,000. 0 leaves the given points as control points.
   std::uint32_t max_sweeps = 100;
@@ -42,7 +43,8 @@ struct SolveReport {
   std::uint32_t sweeps = 0;
   // Whether the tolerance was met within max_sweeps.
   bool converged = false;
-  // Largest move of the last sweep over the bounding box's diagonal.
+  // Largest move of the last sweep (Chebyshev: or residual before it) over the bounding box's
+  // diagonal.
   double last_update = 0;
   // Largest coordinate of |I - L X|, computed anew from X, over the bounding box's diagonal.
   double residual = 0;
