@@ -91,6 +91,7 @@ double Plan(const Counts& n, const Constraints& constraints) {
 double SurfacePeak(Counts n, const InterpolateOptions& options) {
   double mesh = BuiltMesh(n);
   const double patches = mesh + Points(n.half_edges) + Curve(n);
+  if (!options.surface) return patches;
   double peak = patches;
   double fans = options.keep_patches ? patches : 0;
   if (options.level >= 2) {

@@ -138,6 +138,9 @@ class ChebyshevFactors {
   bool first_ = true;
 };
 
+// Moves this far, in diagonals of the bounding box, never come back.
+constexpr double kDiverged = 1e6;
+
 // Sweeps until the largest move is small enough [ZC section 3.4, step 2].
 template <class SweepFunction>
 absl::Status Iterate(const Context& context, double scale, const SolveOptions& options,
@@ -148,6 +151,13 @@ absl::Status Iterate(const Context& context, double scale, const SolveOptions& o
     ++report->sweeps;
     report->last_update = largest / scale;
     report->converged = report->last_update <= options.tolerance;
+    if (!(report->last_update <= kDiverged)) {
+      return MakeError(absl::StrCat("the iteration diverges: sweep ", report->sweeps,
+                                    " moves a vertex by ", report->last_update, " diagonals"),
+                       {.reason = Reason::kInvalidOption,
+                        .field = "solve.method",
+                        .remedy = "Use Chebyshev, which converges on every mesh"});
+    }
     context.Report({.stage = "solve",
                     .fraction = static_cast<double>(report->sweeps) / options.max_sweeps,
                     .sweep = report->sweeps,

@@ -19,7 +19,9 @@ namespace limn {
 enum class SolveMethod {
   // Chebyshev semi-iteration with the stencil's proven spectral bounds. No dot products.
   kChebyshev,
-  // Each vertex solves its own equation with the values of the sweep before [ZC Eq. 7].
+  // Each vertex solves its own equation with the values of the sweep before [ZC Eq. 7]. Converges
+  // for the modified rule; for the standard one it may diverge where faces have six or more
+  // corners.
   kJacobi,
   // The same with the newest values, in vertex order. Serial by nature.
   kGaussSeidel,
@@ -64,9 +66,10 @@ struct SolveProblem {
 
 // Solves for X, starting from X = I. solution: one point per vertex, apart from problem.points.
 //
-// Not meeting the tolerance is no error: see SolveReport::converged. Errors: INVALID_OPTION;
-// CANCELLED and DEADLINE_EXCEEDED, seen in every chunk of every sweep (Gauss-Seidel: every
-// kDefaultGrain vertices); `solution` is then undefined. Progress: stage "solve", after each sweep.
+// Not meeting the tolerance is no error: see SolveReport::converged. Errors: INVALID_OPTION, also
+// for an iteration that diverges; CANCELLED and DEADLINE_EXCEEDED, seen in every chunk of every
+// sweep (Gauss-Seidel: every kDefaultGrain vertices); `solution` is then undefined. Progress: stage
+// "solve", after each sweep.
 //
 // Cost: sweeps + 1 passes over corners; memory of one point per face, three per vertex and two
 // indices per corner.

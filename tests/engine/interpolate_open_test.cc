@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "engine/interpolate.h"
 #include "engine/mesh/generate.h"
+#include "tests/engine/allocation_meter.h"
 #include "tests/oracle/expect.h"
 #include "tests/oracle/open_doo_sabin.h"
 #include "tests/oracle/open_meshes.h"
@@ -189,6 +191,60 @@ TEST_P(InterpolateOpenTest, BoundaryDependsOnBoundaryVerticesOnly) {
   EXPECT_EQ(checked, 8 * mesh.boundary_edge_count());
 }
 
+// Points of the boundary of T^k, as a set that does not depend on numbering.
+std::vector<Vec3> BoundaryPoints(const Tessellation& surface) {
+  PolygonMesh tiles;
+  tiles.positions = surface.positions;
+  for (std::size_t f = 0; f < surface.face_count(); ++f) {
+    tiles.AddFace(absl::MakeConstSpan(surface.face_vertices).subspan(4 * f, 4));
+  }
+  const HalfEdgeMesh mesh = oracle::BuildOrDie(tiles);
+  std::vector<Vec3> points;
+  for (Index h = 0; h < mesh.half_edge_count(); ++h) {
+    if (mesh.twin()[h] == kNoIndex) points.push_back(surface.positions[mesh.vertex()[h]]);
+  }
+  std::sort(points.begin(), points.end(), [](const Vec3& a, const Vec3& b) {
+    return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+  });
+  return points;
+}
+
+// Another surface with the same boundary polygon, on the other side of it: one ring of quads that
+// goes on to a ring far away.
+TEST_P(InterpolateOpenTest, NeighboursShareTheirBoundaryToTheLastBit) {
+  for (const Vec3& offset : {Vec3{0, 0, 0}, Vec3{3e5, -2e5, 1e5}}) {
+    PolygonMesh near = mesh_;
+    for (Vec3& p : near.positions) p += offset;
+    const HalfEdgeMesh mesh = oracle::BuildOrDie(near);
+    const PolygonWalk walk(mesh);
+    // Corners of one and not of the other would end the curve's pieces differently.
+    bool corners = false;
+    PolygonMesh other;
+    std::vector<Index> copy(mesh.vertex_count(), kNoIndex);
+    for (Index v = 0; v < mesh.vertex_count(); ++v) {
+      if (mesh.twin()[mesh.vertex_half_edge()[v]] != kNoIndex) continue;
+      corners = corners || mesh.valence(v) == 1;
+      copy[v] = static_cast<Index>(other.vertex_count());
+      other.positions.push_back(near.positions[v]);
+      other.positions.push_back(near.positions[v] + Vec3{0.5, 40, -3});
+    }
+    if (corners) return;
+    for (Index h = 0; h < mesh.half_edge_count(); ++h) {
+      if (mesh.twin()[h] != kNoIndex) continue;
+      const Index a = copy[mesh.vertex()[h]];
+      const Index b = copy[mesh.vertex()[walk.Next(h)]];
+      other.AddFace({b, a, a + 1, b + 1});
+    }
+    const std::vector<Vec3> here = BoundaryPoints(InterpolateOrDie(near, {.level = 3}).surface);
+    const std::vector<Vec3> there = BoundaryPoints(InterpolateOrDie(other, {.level = 3}).surface);
+    EXPECT_EQ(2 * here.size(), there.size());
+    EXPECT_TRUE(std::includes(there.begin(), there.end(), here.begin(), here.end(),
+                              [](const Vec3& a, const Vec3& b) {
+                                return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+                              }));
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Open, InterpolateOpenTest, testing::ValuesIn(oracle::OpenMeshNames()),
                          [](const auto& mesh) { return mesh.param; });
 
@@ -225,6 +281,204 @@ TEST_P(InterpolateConstraintsTest, StandardRuleTakesAtMost25ChebyshevSweepsTo1e1
 }
 
 LIMN_FOR_CLOSED_MESHES(InterpolateConstraintsTest);
+
+// The planar test meshes with boundary vertices of 1 to 6 faces.
+TEST(InterpolateOpen, PlanarMeshesStayPlanarAndUnfolded) {
+  for (const std::string name :
+       {"Triangle", "Quad", "Octagon", "TwoQuads", "QuadPatch4x3", "QuadPatchJittered",
+        "TriangleFan3", "TriangleFan7", "HalfFan2", "HalfFan3", "HalfFan6", "Ell", "Strip"}) {
+    SCOPED_TRACE(name);
+    PolygonMesh mesh = oracle::OpenMesh(name);
+    for (Vec3& p : mesh.positions) p.z = 0;
+    const Tessellation surface = InterpolateOrDie(mesh, {.level = 4}).surface;
+    for (const Vec3& p : surface.positions) ASSERT_EQ(p.z, 0);
+    for (const Vec3& n : surface.normals) ASSERT_LE(MaxAbs(n - Vec3{0, 0, 1}), 1e-15);
+    for (std::size_t f = 0; f < surface.face_count(); ++f) {
+      const auto p = [&](std::size_t i) {
+        return surface.positions[surface.face_vertices[4 * f + i]];
+      };
+      ASSERT_GT(Cross(p(2) - p(0), p(3) - p(1)).z, 0) << f;
+    }
+  }
+}
+
+// The limit curve's tangents from both sides of each inner boundary vertex are the same line.
+TEST(InterpolateOpen, BoundaryHasNoKinkForAnyNumberOfFaces) {
+  for (int n = 2; n <= 9; ++n) {
+    const Tessellation surface = InterpolateOrDie(oracle::HalfFan(n), {.level = 8}).surface;
+    // Vertex 0 has n faces; its neighbours along the boundary at the finest level:
+    std::vector<Vec3> directions;
+    for (std::size_t f = 0; f < surface.face_count(); ++f) {
+      for (std::size_t i = 0; i < 4; ++i) {
+        if (surface.face_vertices[4 * f + i] != 0) continue;
+        directions.push_back(surface.positions[surface.face_vertices[4 * f + (i + 1) % 4]] -
+                             surface.positions[0]);
+        directions.push_back(surface.positions[surface.face_vertices[4 * f + (i + 3) % 4]] -
+                             surface.positions[0]);
+      }
+    }
+    ASSERT_EQ(directions.size(), 2U * static_cast<std::size_t>(n));
+    // The two along the boundary occur once, in opposite directions: some pair is straight.
+    double straightest = 1;
+    for (const Vec3& a : directions) {
+      for (const Vec3& b : directions) {
+        straightest = std::min(straightest, Dot(a, b) / (Norm(a) * Norm(b)));
+      }
+    }
+    EXPECT_LE(straightest, -1 + 1e-4) << n;
+  }
+}
+
+TEST(InterpolateOpen, EstimateIsAnUpperBoundWithinAFactorOfTwo) {
+  // Many triangles apart have as much boundary as can be.
+  PolygonMesh soup;
+  for (Index t = 0; t < 20000; ++t) {
+    for (int i = 0; i < 3; ++i) {
+      soup.positions.push_back({1.0 * t, i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 : 0.0});
+    }
+    soup.AddFace({3 * t, 3 * t + 1, 3 * t + 2});
+  }
+  std::vector<PolygonMesh> meshes = {soup};
+  for (const MeshKind kind : {MeshKind::kGrid, MeshKind::kDisk}) {
+    LIMN_ASSERT_OK_AND_ASSIGN(PolygonMesh mesh,
+                              GenerateMesh({.kind = kind, .vertices = 30000, .seed = 1}));
+    meshes.push_back(std::move(mesh));
+  }
+  for (const PolygonMesh& mesh : meshes) {
+    const std::size_t boundary = oracle::BuildOrDie(mesh).boundary_edge_count();
+    Constraints constraints = {.interpolate = std::vector<Index>{}};
+    for (Index v = 0; v < mesh.vertex_count(); v += 2) {
+      constraints.interpolate->push_back(v);
+      constraints.normals.push_back({v, {0, 0, 1}});
+    }
+    const InterpolateOptions cases[] = {
+        {.level = 0},
+        {.level = 3},
+        {.level = 2, .keep_patches = true},
+        {.surface = false, .keep_patches = true},
+        {.rule = FirstRule::kStandard, .solve = {.method = SolveMethod::kJacobi}, .surface = false},
+        {.rule = FirstRule::kStandard, .constraints = constraints, .level = 1}};
+    for (const InterpolateOptions& options : cases) {
+      const AllocationMeter meter;
+      const InterpolateResult result = InterpolateOrDie(mesh, options);
+      const std::uint64_t estimate = EstimateBytes(mesh.vertex_count(), mesh.face_count(),
+                                                   mesh.corner_count(), options, boundary);
+      EXPECT_LE(meter.peak(), estimate);
+      EXPECT_GE(2 * meter.peak(), estimate);
+    }
+  }
+}
+
+TEST(InterpolateOpen, CornersAreMetEvenWhereTheyAreNotInterpolated) {
+  const PolygonMesh mesh = oracle::QuadPatch(3, 2);
+  const InterpolateResult result =
+      InterpolateOrDie(mesh, {.constraints = {.interpolate = std::vector<Index>{}}, .level = 2});
+  for (const Index corner : {0U, 3U, 8U, 11U}) {
+    EXPECT_EQ(result.surface.positions[corner], mesh.positions[corner]);
+  }
+  // Nothing else was asked for: the given points are the control points.
+  EXPECT_TRUE(result.control_positions == mesh.positions);
+}
+
+TEST(InterpolateConstraints, OppositeNormalsGiveTheSameBits) {
+  for (const std::string name : {"QuadPatch4x3", "CubeWithoutLid", "HalfFan6", "Strip"}) {
+    const PolygonMesh mesh = oracle::OpenMesh(name);
+    const HalfEdgeMesh built = oracle::BuildOrDie(mesh);
+    for (const Vec3& n : {Vec3{0.3, -1, 2}, Vec3{0, 0, 1}, Vec3{1, 0, 0}, Vec3{-4e-9, 1e-9, 0}}) {
+      InterpolateOptions plus = {.level = 2};
+      InterpolateOptions minus = {.level = 2};
+      for (Index v = 0; v < mesh.vertex_count(); ++v) {
+        plus.constraints.normals.push_back({v, n});
+        minus.constraints.normals.push_back({v, -n});
+      }
+      EXPECT_TRUE(InterpolateOrDie(mesh, plus).surface.positions ==
+                  InterpolateOrDie(mesh, minus).surface.positions)
+          << name;
+    }
+  }
+}
+
+// A plane grid whose prescribed normals lie in it: its faces would collapse to lines.
+TEST(InterpolateConstraints, NormalsInThePlaneOfTheFaceTurnIt) {
+  PolygonMesh mesh = oracle::QuadPatch(4, 4);
+  for (Vec3& p : mesh.positions) p.z = 0;
+  for (const Vec3& n : {Vec3{1, 0, 0}, Vec3{0.6, -0.8, 0}, Vec3{0, 1, 1e-5}}) {
+    const InterpolateResult result =
+        InterpolateOrDie(mesh, {.constraints = {.normals = {{12, n}}}, .level = 2});
+    EXPECT_LE(Norm(Cross(result.surface.normals[12], n)), 1e-10);
+    EXPECT_NEAR(Norm(result.surface.normals[12]), 1, 1e-12);
+    EXPECT_LE(Norm(result.surface.positions[12] - mesh.positions[12]), 1e-14);
+  }
+}
+
+// All points on a line: whatever normal is asked for, the result is finite, meets the points, and
+// has no normal of its own.
+TEST(InterpolateConstraints, FacesWithoutAreaHaveNoNormal) {
+  PolygonMesh mesh = oracle::Cube();
+  for (Vec3& p : mesh.positions) p = {p.x + 2 * p.y + 4 * p.z, 0, 0};
+  for (const Vec3& n : {Vec3{1, 0, 0}, Vec3{0, 1, 0}}) {
+    const InterpolateResult result = InterpolateOrDie(
+        mesh, {.constraints = {.normals = {{3, n}}, .shape_handles = {{3, 2.0}}}, .level = 2});
+    for (const Vec3& p : result.surface.positions) ASSERT_TRUE(IsFinite(p));
+    EXPECT_LE(Norm(result.surface.positions[3] - mesh.positions[3]), 1e-13);
+    EXPECT_EQ(result.surface.normals[3], (Vec3{0, 0, 0}));
+  }
+}
+
+// Brunet: the surface keeps point and normal, and nears the tangent plane as the handle grows.
+TEST(InterpolateConstraints, HandlesKeepPointAndNormalAndFlatten) {
+  const PolygonMesh mesh = oracle::Jittered(oracle::Cube(), 4, 0.1);
+  const InterpolateResult plain = InterpolateOrDie(mesh, {.level = 3});
+  std::vector<double> heights;
+  for (const double value : {0.4, 1.0, 2.5}) {
+    const InterpolateResult result =
+        InterpolateOrDie(mesh, {.constraints = {.shape_handles = {{5, value}}}, .level = 3});
+    EXPECT_LE(Norm(result.surface.positions[5] - mesh.positions[5]), 1e-14);
+    EXPECT_LE(Norm(Cross(result.surface.normals[5], plain.surface.normals[5])), 1e-12);
+    if (value == 1.0) {
+      EXPECT_TRUE(result.surface.positions == plain.surface.positions);
+    }
+    // Height over the tangent plane per squared distance of the nearest points: the curvature.
+    double height = 0;
+    for (std::size_t f = 0; f < result.surface.face_count(); ++f) {
+      const Index* q = &result.surface.face_vertices[4 * f];
+      if (q[0] != 5) continue;
+      const Vec3 d = result.surface.positions[q[2]] - result.surface.positions[5];
+      height = std::max(height, std::fabs(Dot(d, result.surface.normals[5])) / Dot(d, d));
+    }
+    heights.push_back(height);
+  }
+  EXPECT_GT(heights[0], heights[1]);
+  EXPECT_GT(heights[1], heights[2]);
+}
+
+TEST(InterpolateConstraints, JacobiThatDivergesIsRefusedWithARemedy) {
+  // Undamped Jacobi has the factor 1 - 4m / (m + 5) at the highest frequencies of an m-gon.
+  const auto result = Interpolate(Context(), oracle::Jittered(oracle::Pillow(40), 1, 0.3),
+                                  {.rule = FirstRule::kStandard,
+                                   .solve = {.method = SolveMethod::kJacobi, .max_sweeps = 10000}});
+  oracle::ExpectError(result.status(), {Reason::kInvalidOption, "solve.method"});
+}
+
+TEST(InterpolateConstraints, GaussSeidelSolvesTheStandardRuleToo) {
+  const PolygonMesh mesh = oracle::Jittered(oracle::Prism(7), 1, 0.1);
+  const auto control = [&](SolveMethod method) {
+    return InterpolateOrDie(mesh, {.rule = FirstRule::kStandard,
+                                   .solve = {.method = method, .max_sweeps = 1000},
+                                   .surface = false})
+        .control_positions;
+  };
+  const Buffer<Vec3> a = control(SolveMethod::kChebyshev);
+  const Buffer<Vec3> b = control(SolveMethod::kGaussSeidel);
+  for (std::size_t v = 0; v < a.size(); ++v) EXPECT_LE(Norm(a[v] - b[v]), 1e-10) << v;
+}
+
+TEST(InterpolateConstraints, AreCheckedBeforeTheyAreUsed) {
+  oracle::ExpectError(
+      Interpolate(Context(), oracle::Cube(), {.constraints = {.shape_handles = {{8, 1.0}}}})
+          .status(),
+      {Reason::kIndexOutOfRange, "constraints.shape_handles[0].vertex", 0});
+}
 
 }  // namespace
 }  // namespace limn
