@@ -15,7 +15,7 @@ std::size_t U(int i) { return static_cast<std::size_t>(i); }
 Point Mean(const Points& points) { return Centroid(points); }
 
 Real Decayed(Real sharpness) {
-  if (sharpness >= kSharpForever) return sharpness;
+  if (sharpness >= kForever) return sharpness;
   return std::max<Real>(0, sharpness - 1);
 }
 
@@ -245,7 +245,7 @@ Incidence IncidenceOf(const CreasedMesh& mesh) {
 }
 
 Real SharpnessOf(const CreasedMesh& mesh, const Incidence& incidence, int edge) {
-  if (incidence.faces_of_edge[U(edge)].size() == 1) return kSharpForever;
+  if (incidence.faces_of_edge[U(edge)].size() == 1) return kForever;
   return mesh.edge_sharpness[U(edge)];
 }
 

@@ -34,7 +34,7 @@ struct CreasedMesh {
 CreasedMesh StartCreased(const Mesh& mesh);
 
 // 10 and more never decays.
-inline constexpr Real kSharpForever = 10;
+inline constexpr Real kForever = 10;
 
 // The next step, numbered as in engine/limit/tessellation.h. blend: share of the bilinear rule in
 // smooth points (Catmull-Clark).
