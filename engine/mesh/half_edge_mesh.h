@@ -153,4 +153,19 @@ Index RotateCw(const Walk& walk, absl::Span<const Index> twin, Index h) {
   return t == kNoIndex ? kNoIndex : walk.Next(t);
 }
 
+// Calls visit(h) for the half-edges that leave a vertex, counter-clockwise from `start`, which is
+// the vertex's own (see vertex_half_edge). Returns kNoIndex inside a mesh, and at a boundary the
+// half-edge that enters the vertex along it, which no visited one is the twin of.
+template <class Walk, class Visit>
+Index VisitFan(const Walk& walk, absl::Span<const Index> twin, Index start, const Visit& visit) {
+  Index h = start;
+  while (true) {
+    visit(h);
+    const Index entering = walk.Prev(h);
+    h = twin[entering];
+    if (h == start) return kNoIndex;
+    if (h == kNoIndex) return entering;
+  }
+}
+
 }  // namespace limn

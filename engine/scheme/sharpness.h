@@ -73,6 +73,14 @@ struct Sharpness {
   bool creased() const { return !edge.empty(); }
 };
 
+// A level of a Catmull-Clark or Loop surface beside its points: what refinement and limits need.
+struct SurfaceLevel {
+  // T^k.
+  const HalfEdgeMesh& mesh;
+  // Of T^k.
+  const Sharpness& sharpness;
+};
+
 // The sharpness of T^0. mesh: from HalfEdgeMesh::Build. Errors, with the path of the entry, such as
 // "crease_indices[3]", and its index: INDEX_OUT_OF_RANGE for vertices and faces that are not there,
 // INVALID_OPTION for pairs of vertices that are no edge, sharpnesses that are negative or no
