@@ -3,6 +3,7 @@
 // places for jobs. (A shared arena lets large jobs starve small ones, whatever their priorities.)
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -62,7 +63,10 @@ class Lane {
   // Places taken now.
   std::uint64_t places_taken() const;
 
-  // Runs what was posted, then ends the threads.
+  // As those of WorkerThreads.
+  [[nodiscard]] bool StopUntil(std::chrono::steady_clock::time_point until) {
+    return threads_.StopUntil(until);
+  }
   void Stop() { threads_.Stop(); }
 
  private:
