@@ -76,6 +76,7 @@ class InterpolateReactor final
 
   ServiceCore& core_;
   grpc::CallbackServerContext* const context_;
+  const std::optional<Clock::time_point> deadline_;
   std::shared_ptr<InterpolateReactor> self_;
   std::mutex mutex_;
   Phase phase_ = Phase::kHeader;

@@ -7,9 +7,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
+#include "engine/base/guard.h"
 #include "proto/wire/draco_decoder.h"
 #include "proto/wire/draco_encoder.h"
-#include "proto/wire/guard.h"
 #include "proto/wire/packed_mesh.h"
 #include "proto/wire/polygon_check.h"
 
@@ -53,7 +53,7 @@ absl::StatusOr<std::string> EncodeBytes(const Context& context, const PolygonMes
                             .positions = mesh.positions};
   if (encoding == v1::MESH_ENCODING_DRACO) return EncodeDracoLossless(input);
   LIMN_ASSIGN_OR_RETURN(const QuantizationGrid grid, FitGrid(context, mesh.positions, {}));
-  return EncodeDracoQuantized(input, grid, options.quantization_bits);
+  return EncodeDracoQuantized(context, input, grid, options.quantization_bits);
 }
 
 // A claim of the header and what it is held against.

@@ -22,11 +22,10 @@ inline constexpr std::uint32_t kMaxTileBytes = 1U << 20;
 struct TileOptions {
   // UNSPECIFIED means PACKED.
   v1::MeshEncoding encoding = v1::MESH_ENCODING_PACKED;
-  // Bits per coordinate of MESH_ENCODING_DRACO_QUANTIZED, 8 to 30 (more than 24 are
-  // taken as 24). All tiles of a surface share one grid, so that a vertex has the same value in
-  // every tile that holds it.
+  // Bits per coordinate of MESH_ENCODING_DRACO_QUANTIZED; see quantization_grid.h. All tiles of a
+  // surface share one grid, so that a vertex has the same value in every tile that holds it.
   int quantization_bits = 16;
-  // Bytes of a tile's arrays before compression at the most, 4 KiB to 1 MiB.
+  // Bytes of a tile's arrays before compression at the most, kMinTileBytes to kMaxTileBytes.
   std::uint32_t tile_bytes = 512U << 10;
   // Leave the connectivity out (packed only).
   bool omit_connectivity = false;

@@ -62,6 +62,21 @@ class RawCall {
   std::optional<grpc::Status> status_;
 };
 
+// Keeps the lines that a server logs.
+class EventLog {
+ public:
+  EventLog();
+  // For ServerOptions.
+  const std::shared_ptr<Log>& log() const { return log_; }
+  // The first line that holds the text; empty when none comes within some seconds.
+  std::string WaitFor(const std::string& text) const;
+
+ private:
+  struct Lines;
+  std::shared_ptr<Lines> lines_;
+  std::shared_ptr<Log> log_;
+};
+
 // The reason of an error; kInternal's neighbour "nothing" is an ok status, which fails the test.
 Reason ReasonOf(const absl::Status& status);
 
