@@ -48,8 +48,9 @@ struct ServiceCore {
   // Set: new jobs are refused.
   std::atomic<bool> draining{false};
   StreamRegistry streams;
-  // Encodes answers, one task per stream at a time. Not the lane's threads: a finished job's
-  // answer must not wait behind another job.
+  // Make the messages of answers, one task per stream at a time, each a tile or a chunk at the
+  // most: short tasks, so that no answer waits long behind another. Not the lane's threads: a
+  // finished job's answer must not wait behind another job.
   WorkerThreads delivery;
   Lane lane;
   Admission admission;
