@@ -100,7 +100,7 @@ void AddInterpolateCommand(CLI::App& app, ExitStatus* status) {
   CLI::App* command = app.add_subcommand(
       "interpolate", "Find the smooth surface that passes through the vertices of a mesh");
   const auto flags = std::make_shared<InterpolateFlags>();
-  command->add_option("IN", flags->input, "Closed mesh: .obj, .off, .ply or .stl")->required();
+  command->add_option("IN", flags->input, "Mesh: .obj, .off, .ply or .stl")->required();
   command
       ->add_option("-o,--output", flags->outputs.surfaces,
                    "The tessellated surface: .obj, .off, .ply, .stl or .glb; may be given again "
