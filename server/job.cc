@@ -75,6 +75,9 @@ absl::Status Job::Run(std::string encoded_mesh) {
   std::string().swap(encoded_mesh);
   input_faces_ = mesh_.face_count();
   AddStage("decode", MillisecondsSince(start));
+  if (spec_.send_surface && spec_.engine.level == 0) {
+    LIMN_RETURN_IF_ERROR(wire::FitLargestFace(mesh_, spec_.engine.normals, &tile_options_));
+  }
 
   LIMN_ASSIGN_OR_RETURN(InterpolateResult result, Interpolate(context_, mesh_, spec_.engine));
   stages_.insert(stages_.end(), result.stages.begin(), result.stages.end());

@@ -23,6 +23,7 @@ enum class Reason {
   kRepeatedVertex,           // a face that visits a vertex twice
   kNonFiniteCoordinate,      // NaN or infinite
   kCoordinateTooLarge,       // arithmetic on it would overflow
+  kExtentTooSmall,           // arithmetic on differences would underflow
   kIsolatedVertex,           // a vertex that no face uses
   kNonManifoldEdge,          // an edge of more than two faces
   kInconsistentOrientation,  // two faces that walk an edge in the same direction

@@ -93,10 +93,9 @@ TEST(StatusTest, BadInputCarriesErrorInfoAndBadRequest) {
 }
 
 TEST(StatusTest, APathThatNamesItsElementIsTheWholePath) {
-  const grpc::Status status = ToGrpcStatus(MakeError("constraints.normals[3].vertex: no vertex 9",
-                                                     {.reason = Reason::kIndexOutOfRange,
-                                                      .field = "constraints.normals[3].vertex",
-                                                      .index = 3}));
+  const grpc::Status status = ToGrpcStatus(MakeError(
+      "constraints.normals[3].vertex: no vertex 9",
+      {.reason = Reason::kIndexOutOfRange, .field = "constraints.normals[3].vertex", .index = 3}));
   v1::BadRequestDetails bad;
   ASSERT_TRUE(bad.ParseFromString(Details(status).at(kBadRequest)));
   ASSERT_EQ(bad.field_violations_size(), 1);
