@@ -14,9 +14,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
-#include "server/cpu_limit.h"
 #include "server/limn_service.h"
 #include "server/listen_address.h"
+#include "server/machine_limits.h"
 #include "server/service_core.h"
 
 namespace limn {

@@ -10,6 +10,7 @@
 #include "absl/status/statusor.h"
 #include "engine/base/context.h"
 #include "engine/limit/tessellation.h"
+#include "engine/mesh/polygon_mesh.h"
 #include "limn/v1/mesh.pb.h"
 #include "proto/wire/quantization_grid.h"
 
@@ -54,6 +55,12 @@ struct TileRange {
 // that alone is larger than tile_bytes. Cost: linear in tiles; in faces where arities differ.
 [[nodiscard]] absl::StatusOr<std::vector<TileRange>> PlanTiles(const Tessellation& surface,
                                                                const TileOptions& options);
+
+// For tiles with the mesh's own faces (level 0): raises options->tile_bytes as far as its largest
+// face needs. Errors: INVALID_OPTION (field "surface.level") for a face that no tile can hold.
+// Cost: one pass over faces.
+[[nodiscard]] absl::Status FitLargestFace(const PolygonMesh& mesh, bool normals,
+                                          TileOptions* options);
 
 // Encodes one tile of the plan. Errors: INVALID_OPTION, as PlanTiles and for a range beyond the
 // surface; those of FitGrid; INTERNAL when Draco fails, OUT_OF_MEMORY, CANCELLED,

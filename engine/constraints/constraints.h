@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+// What a limit surface has to meet beside the smoothness of its scheme, and the check that it makes
+// sense for a mesh. Sources: Zheng and Cai 2005, sections 2 (subsets), 4.1 (normals) and 4.2 (shape
+// handles, after Brunet 1988).
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "engine/base/context.h"
+#include "engine/base/vec3.h"
+#include "engine/mesh/polygon_mesh.h"
+
+namespace limn {
+
+// The surface's normal at an interpolated vertex is parallel to `normal`; its opposite means the
+// same. Any finite length above zero.
+struct NormalConstraint {
+  Index vertex = 0;
+  Vec3 normal = {0, 0, 0};
+};
+
+// The type-V face of the vertex, interpolated or not, is scaled about its centroid: finite and
+// greater than 0; 1 changes nothing, above 1 flattens, below 1 sharpens. Point and normal of the
+// surface at the vertex stay; on a boundary the curve near the vertex takes part.
+struct ShapeHandle {
+  Index vertex = 0;
+  double value = 1;
+};
+
+struct Constraints {
+  // Vertices to interpolate, each at most once, in any order. Absent: all of them. The others keep
+  // their given points as control points and only shape the surface. A corner of the boundary (a
+  // vertex of one face) is always met.
+  std::optional<std::vector<Index>> interpolate;
+  // At most one per vertex, at interpolated vertices only.
+  std::vector<NormalConstraint> normals;
+  // At most one per vertex.
+  std::vector<ShapeHandle> shape_handles;
+};
+
+// Checks everything said above. Errors, each with the field's path in the contract's words, such as
+// "constraints.normals[3].vertex", and its index: INDEX_OUT_OF_RANGE; INVALID_OPTION for repeated
+// vertices, for normals that are zero or not finite or at vertices that are not interpolated, for
+// handles that are not finite and positive; CANCELLED, DEADLINE_EXCEEDED. Cost: linear in the
+// constraints, and one bit a vertex. Thread-safe.
+[[nodiscard]] absl::Status ValidateConstraints(const Context& context,
+                                               const Constraints& constraints,
+                                               std::size_t vertex_count);
+
+}  // namespace limn
