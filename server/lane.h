@@ -57,7 +57,7 @@ class Lane {
 
   explicit Lane(const LaneOptions& options);
 
-  // A place, or LIMIT_EXCEEDED naming "queue-length" when workers + queue_length are taken.
+  // A place, or LIMIT_EXCEEDED with limit "queue-length" when workers + queue_length are taken.
   [[nodiscard]] absl::StatusOr<Place> Reserve();
 
   // Places taken now.

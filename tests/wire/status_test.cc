@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <optional>
 #include <string>
 
 #include "engine/base/error.h"
@@ -125,6 +126,20 @@ TEST(StatusTest, OnlyWhatPassesByItselfCarriesRetryInfo) {
   v1::ErrorDetails info;
   ASSERT_TRUE(info.ParseFromString(size.at(kErrorInfo)));
   EXPECT_EQ(info.metadata().at("limit"), "mesh.vertex_count");
+}
+
+TEST(StatusTest, ALimitIsNamedBesideTheField) {
+  const grpc::Status sent = ToGrpcStatus(MakeError(
+      "too fine",
+      {.reason = Reason::kLimitExceeded, .field = "surface.level", .limit = "max-level"}));
+  v1::ErrorDetails info;
+  ASSERT_TRUE(info.ParseFromString(Details(sent).at(kErrorInfo)));
+  EXPECT_EQ(info.metadata().at("field"), "surface.level");
+  EXPECT_EQ(info.metadata().at("limit"), "max-level");
+  const std::optional<ErrorDetail> back = GetErrorDetail(FromGrpcStatus(sent));
+  ASSERT_TRUE(back.has_value());
+  EXPECT_EQ(back->field, "surface.level");
+  EXPECT_EQ(back->limit, "max-level");
 }
 
 TEST(StatusTest, OtherProgramsStatusIsKeptWithItsCode) {
