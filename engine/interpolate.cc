@@ -45,7 +45,8 @@ absl::Status CheckBytes(const Context& context, const PolygonMesh& mesh,
                                 context.limits().max_bytes),
                    {.reason = Reason::kLimitExceeded,
                     .field = "surface.level",
-                    .remedy = "Choose a lower level, send a smaller mesh or raise the limit"});
+                    .remedy = "Choose a lower level, send a smaller mesh or raise the limit",
+                    .limit = "max-job-bytes"});
 }
 
 absl::Status CheckOptions(const Context& context, const PolygonMesh& mesh,

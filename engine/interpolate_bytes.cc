@@ -87,6 +87,14 @@ double Plan(const Counts& n, const Constraints& constraints) {
   return Bytes(n.vertices, 1) + 3 * Bytes(specials, sizeof(SpecialVertex));
 }
 
+// The tessellation with T^(level - 1), or with the input at level 0.
+double TessellationBytes(const Counts& n, const InterpolateOptions& options) {
+  const Counts surface = options.level == 0 ? n : n.Split();
+  return Points(surface.vertices) * (options.normals ? 2 : 1) +
+         (options.level == 0 ? Indices(n.faces + 1) + Indices(n.half_edges)
+                             : Indices(4 * n.half_edges));
+}
+
 // The most of the surface's stages. `n`: of the input.
 double SurfacePeak(Counts n, const InterpolateOptions& options) {
   double mesh = BuiltMesh(n);
@@ -107,11 +115,7 @@ double SurfacePeak(Counts n, const InterpolateOptions& options) {
                               std::max(Points(n.half_edges), mesh));
     n = split;
   }
-  const Counts surface = options.level == 0 ? n : n.Split();
-  const double tessellation = Points(surface.vertices) * (options.normals ? 2 : 1) +
-                              (options.level == 0 ? Indices(n.faces + 1) + Indices(n.half_edges)
-                                                  : Indices(4 * n.half_edges));
-  return std::max(peak, fans + mesh + Curve(n) + Points(n.half_edges) + tessellation);
+  return std::max(peak, fans + mesh + Curve(n) + Points(n.half_edges) + TessellationBytes(n, options));
 }
 
 }  // namespace

@@ -67,14 +67,19 @@ void Job::AddStage(std::string_view stage, double milliseconds) {
   stages_.push_back({stage, milliseconds});
 }
 
-absl::Status Job::Run(std::string encoded_mesh) {
+absl::Status Job::Decode(std::string encoded_mesh) {
   const Clock::time_point start = Clock::now();
   bytes_received_ = encoded_mesh.size();
   context_.Report({.stage = "decode"});
   LIMN_ASSIGN_OR_RETURN(mesh_, wire::DecodeMesh(context_, spec_.mesh, encoded_mesh));
-  std::string().swap(encoded_mesh);
-  input_faces_ = mesh_.face_count();
+  spec_.mesh.set_vertex_count(mesh_.vertex_count());
+  spec_.mesh.set_face_count(mesh_.face_count());
+  spec_.mesh.set_corner_count(mesh_.corner_count());
   AddStage("decode", MillisecondsSince(start));
+  return absl::OkStatus();
+}
+
+absl::Status Job::Run() {
   if (spec_.send_surface && spec_.engine.level == 0) {
     LIMN_RETURN_IF_ERROR(wire::FitLargestFace(mesh_, spec_.engine.normals, &tile_options_));
   }
@@ -201,8 +206,8 @@ void Job::FillSummary(v1::Summary* summary) {
   summary->set_request_id(spec_.request_id);
   summary->set_server_version(LIMN_VERSION);
   summary->set_scheme(v1::SCHEME_DOO_SABIN);
-  summary->set_input_vertices(certificate_->target_count());
-  summary->set_input_faces(input_faces_);
+  summary->set_input_vertices(spec_.mesh.vertex_count());
+  summary->set_input_faces(spec_.mesh.face_count());
   summary->set_level(spec_.send_surface ? surface_.level : spec_.engine.level);
   if (spec_.send_surface) {
     summary->set_surface_vertices(surface_.vertex_count());

@@ -20,10 +20,10 @@
 
 namespace limn {
 
-// First Run, then NextMessage until it has no more: the answer is made piece by piece as it is
-// asked for, so that a slow reader costs no memory beside the result; only what has to be encoded
-// as a whole, the control mesh, is encoded by Run. Not thread-safe, but each call may come from
-// another thread.
+// First Decode, then Run, then NextMessage until it has no more: the answer is made piece by piece
+// as it is asked for, so that a slow reader costs no memory beside the result; only what has to be
+// encoded as a whole, the control mesh, is encoded by Run. Not thread-safe, but each call may come
+// from another thread.
 class Job {
  public:
   // context: carries cancel, deadline, progress and limits through every phase.
@@ -35,9 +35,15 @@ class Job {
   // A stage that went before Run, for the summary.
   void AddStage(std::string_view stage, double milliseconds);
 
-  // Decodes the mesh, computes, and encodes the control mesh: all that may take long. Runs in the
-  // caller's arena. Errors: those of wire::DecodeMesh, Interpolate and wire::EncodeMesh.
-  [[nodiscard]] absl::Status Run(std::string encoded_mesh);
+  // Decodes the mesh; from then on spec() has its counts, claimed or not. Runs in the caller's
+  // arena. Errors: those of wire::DecodeMesh.
+  [[nodiscard]] absl::Status Decode(std::string encoded_mesh);
+
+  // Computes, and encodes the control mesh: all that may take long. Runs in the caller's arena.
+  // Errors: those of Interpolate and wire::EncodeMesh.
+  [[nodiscard]] absl::Status Run();
+
+  const JobSpec& spec() const { return spec_; }
 
   // Fills the next message of the answer: control mesh, tiles, summary. False: there is none left.
   // Cost: linear in a tile. Errors: those of wire::EncodeTile.
@@ -59,15 +65,13 @@ class Job {
   [[nodiscard]] absl::Status Certify(const wire::TileRange& range, const v1::SurfaceTile& tile);
   void FillSummary(v1::Summary* summary);
 
-  const JobSpec spec_;
+  JobSpec spec_;
   const Context context_;
   std::vector<StageTime> stages_;
   double encode_milliseconds_ = 0;
   std::uint64_t bytes_received_ = 0;
   std::uint64_t bytes_sent_ = 0;
 
-  // The header need not claim it.
-  std::uint64_t input_faces_ = 0;
   // The input; after Run with the control mesh's positions.
   PolygonMesh mesh_;
   SolveReport solve_;

@@ -5,7 +5,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
-#include "proto/wire/status.h"
 
 namespace limn {
 
@@ -39,17 +38,27 @@ Lane::Lane(const LaneOptions& options)
 
 absl::StatusOr<Lane::Place> Lane::Reserve() {
   const std::lock_guard lock(mutex_);
+  LIMN_ASSIGN_OR_RETURN(const std::uint64_t position, PositionOfNext());
+  ++taken_;
+  return Place(this, position);
+}
+
+absl::StatusOr<std::uint64_t> Lane::NextPosition() const {
+  const std::lock_guard lock(mutex_);
+  return PositionOfNext();
+}
+
+absl::StatusOr<std::uint64_t> Lane::PositionOfNext() const {
   if (taken_ >= options_.workers + options_.queue_length) {
     return MakeError(
         absl::StrCat("the server is busy: lane \"", options_.name, "\" has ", taken_,
                      " jobs, of which ", options_.queue_length, " wait (limit queue-length)"),
         {.reason = Reason::kLimitExceeded,
-         .field = std::string(wire::kQueueField),
          .remedy = "Try again a little later",
-         .limit = "queue-length"});
+         .limit = "queue-length",
+         .retryable = true});
   }
-  ++taken_;
-  return Place(this, taken_ > options_.workers ? taken_ - options_.workers : 0);
+  return taken_ < options_.workers ? 0 : taken_ + 1 - options_.workers;
 }
 
 std::uint64_t Lane::places_taken() const {

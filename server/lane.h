@@ -28,8 +28,8 @@ struct LaneOptions {
 // Thread-safe.
 class Lane {
  public:
-  // A job's place in the lane, from its acceptance until it has been computed. Not thread-safe
-  // itself. The lane must outlive it.
+  // A job's place in the lane, from the end of its upload until it has been computed. Not
+  // thread-safe itself. The lane must outlive it.
   class Place {
    public:
     Place() = default;
@@ -60,6 +60,9 @@ class Lane {
   // A place, or LIMIT_EXCEEDED with limit "queue-length" when workers + queue_length are taken.
   [[nodiscard]] absl::StatusOr<Place> Reserve();
 
+  // The position of a place that would be reserved now, or the error. Nothing is taken.
+  [[nodiscard]] absl::StatusOr<std::uint64_t> NextPosition() const;
+
   // Places taken now.
   std::uint64_t places_taken() const;
 
@@ -70,6 +73,9 @@ class Lane {
   void Stop() { threads_.Stop(); }
 
  private:
+  // With the mutex held.
+  [[nodiscard]] absl::StatusOr<std::uint64_t> PositionOfNext() const;
+
   const LaneOptions options_;
   WorkerThreads threads_;
   mutable std::mutex mutex_;

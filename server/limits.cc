@@ -34,6 +34,8 @@ constexpr std::array kTable = {
                1024},
     LimitEntry{"queue-length", &ServerLimits::queue_length, "jobs",
                "Jobs that wait beside those being computed; the next one is refused", 0, 1'000'000},
+    LimitEntry{"max-uploads", &ServerLimits::max_uploads, "jobs",
+               "Jobs whose meshes arrive at a time; the next one is refused", 1, 1'000'000},
     LimitEntry{"max-streams", &ServerLimits::max_streams, "streams",
                "Calls at a time on one connection", 1, 100'000},
     LimitEntry{"max-message-bytes", &ServerLimits::max_message_bytes, "bytes",
@@ -42,6 +44,10 @@ constexpr std::array kTable = {
                "Time without a message from a client that uploads or without one taken by a client "
                "that is answered, after which its call is ended",
                1, kDay},
+    LimitEntry{"min-bytes-per-second", &ServerLimits::min_bytes_per_second, "bytes/s",
+               "What a client that uploads has to send, and one that is answered to take, on "
+               "average over stall-seconds; 0 is no demand",
+               0, std::uint64_t{1} << 40},
     LimitEntry{"drain-seconds", &ServerLimits::drain_seconds, "seconds",
                "Time that jobs have to finish after SIGTERM or SIGINT", 0, kDay},
     LimitEntry{

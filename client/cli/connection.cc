@@ -53,6 +53,8 @@ ServerLimits EmbeddedLimits() {
       limits.*entry.value = std::min(entry.most, memory);
     } else if (entry.unit == "vertices" || entry.unit == "corners" || entry.unit == "refinements") {
       limits.*entry.value = entry.most;
+    } else if (entry.unit == "bytes/s") {
+      limits.*entry.value = entry.least;
     }
   }
   return limits;

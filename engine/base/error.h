@@ -62,6 +62,9 @@ struct ErrorDetail {
   // The limit that was exceeded, as the server's flag is called, such as "max-vertices"; empty when
   // there is none that can be set.
   std::string limit = {};
+  // Whether the same request may go well a little later because nothing is wrong with it: others
+  // use what it needs. Always taken as true with kUnavailable.
+  bool retryable = false;
 };
 
 // An error with a message for a person and its detail as payload. The remedy is appended to the

@@ -196,12 +196,14 @@ std::uint64_t DracoDecodeBytes(const DracoHeader& header) {
 }
 
 absl::Status CheckDracoHeader(const DracoHeader& header, const DracoBounds& bounds) {
-  const auto too_large = [](const char* field, std::uint64_t value, std::uint64_t limit) {
+  const auto too_large = [](const char* field, std::uint64_t value, std::uint64_t limit,
+                            const char* limit_name) {
     return MakeError(
         absl::StrCat("the Draco mesh needs ", value, " ", field, "; ", limit, " are allowed"),
         {.reason = Reason::kLimitExceeded,
          .field = absl::StrCat("mesh.", field),
-         .remedy = "Send a smaller mesh, or check the counts of the header"});
+         .remedy = "Send a smaller mesh, or check the counts of the header",
+         .limit = limit_name});
   };
   if (header.triangles > bounds.max_triangles) {
     if (bounds.triangles_claimed) {
@@ -209,10 +211,10 @@ absl::Status CheckDracoHeader(const DracoHeader& header, const DracoBounds& boun
                                     " triangles; its header's counts make ", bounds.max_triangles),
                        "Set the header's counts to those of the mesh");
     }
-    return too_large("triangles", header.triangles, bounds.max_triangles);
+    return too_large("triangles", header.triangles, bounds.max_triangles, "max-corners");
   }
   if (const std::uint64_t bytes = DracoDecodeBytes(header); bytes > bounds.max_bytes) {
-    return too_large("bytes", bytes, bounds.max_bytes);
+    return too_large("bytes", bytes, bounds.max_bytes, "max-job-bytes");
   }
   return absl::OkStatus();
 }

@@ -2,6 +2,7 @@
 // See status.h.
 #include "proto/wire/status.h"
 
+#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -62,8 +63,7 @@ v1::BadRequestDetails MakeBadRequest(const ErrorDetail& detail, const std::strin
 }
 
 bool MayPassByItself(const ErrorDetail& detail) {
-  return CodeOf(detail.reason) == absl::StatusCode::kUnavailable ||
-         (detail.reason == Reason::kLimitExceeded && detail.field == kQueueField);
+  return detail.retryable || CodeOf(detail.reason) == absl::StatusCode::kUnavailable;
 }
 
 std::optional<Reason> ReasonFromName(std::string_view name) {
@@ -72,6 +72,11 @@ std::optional<Reason> ReasonFromName(std::string_view name) {
     if (ReasonName(reason) == name) return reason;
   }
   return std::nullopt;
+}
+
+bool HasRetryInfo(const v1::RichStatus& rich) {
+  return std::any_of(rich.details().begin(), rich.details().end(),
+                     [](const auto& any) { return any.type_url() == kRetryInfoUrl; });
 }
 
 // What our own ErrorInfo says; nothing for another program's.
@@ -89,6 +94,7 @@ std::optional<ErrorDetail> ReadErrorInfo(const v1::RichStatus& rich) {
     ErrorDetail detail{.reason = *reason, .field = text("field"), .remedy = text("remedy")};
     if (std::uint64_t index = 0; absl::SimpleAtoi(text("index"), &index)) detail.index = index;
     if (text("limit") != detail.field) detail.limit = text("limit");
+    detail.retryable = HasRetryInfo(rich);
     return detail;
   }
   return std::nullopt;

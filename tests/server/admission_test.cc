@@ -4,12 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "proto/wire/status.h"
 #include "tests/server/service_fixture.h"
 
 namespace limn {
@@ -72,6 +72,8 @@ TEST_P(LimitTest, IsHeldAndNamed) {
   EXPECT_EQ(ErrorInfoOf(rich).metadata().at("limit"), GetParam().limit) << status;
   EXPECT_EQ(ErrorInfoOf(rich).metadata().at("field"), GetParam().field) << status;
   EXPECT_FALSE(HasRetryInfo(rich));
+  EXPECT_TRUE(std::any_of(LimitTable().begin(), LimitTable().end(),
+                          [](const LimitEntry& entry) { return entry.name == GetParam().limit; }));
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -109,7 +111,7 @@ TEST(AdmissionTest, MemoryOfAllJobsIsBoundedAndComesBack) {
     ASSERT_TRUE(second.ok());
     const auto third = admission.Admit(spec);
     EXPECT_EQ(ReasonOf(third.status()), Reason::kLimitExceeded);
-    EXPECT_EQ(GetErrorDetail(third.status())->field, wire::kQueueField);
+    EXPECT_TRUE(GetErrorDetail(third.status())->retryable);
     EXPECT_EQ(GetErrorDetail(third.status())->limit, "max-total-bytes");
     EXPECT_EQ(lane.places_taken(), 2U);
   }

@@ -115,17 +115,24 @@ TEST(StatusTest, OnlyWhatPassesByItselfCarriesRetryInfo) {
     EXPECT_EQ(details.count(kBadRequest), CodeOf(reason) == absl::StatusCode::kInvalidArgument);
     EXPECT_EQ(details.count(kRetryInfo), CodeOf(reason) == absl::StatusCode::kUnavailable);
   }
-  const auto queue = Details(ToGrpcStatus(MakeError(
-      "the queue is full", {.reason = Reason::kLimitExceeded, .field = std::string(kQueueField)})));
+  const grpc::Status full = ToGrpcStatus(
+      MakeError("the queue is full",
+                {.reason = Reason::kLimitExceeded, .limit = "queue-length", .retryable = true}));
+  const auto queue = Details(full);
+  EXPECT_TRUE(GetErrorDetail(FromGrpcStatus(full))->retryable);
   v1::RetryDetails retry;
   ASSERT_TRUE(retry.ParseFromString(queue.at(kRetryInfo)));
   EXPECT_EQ(retry.retry_delay().seconds(), kRetryDelaySeconds);
-  const auto size = Details(ToGrpcStatus(
-      MakeError("too large", {.reason = Reason::kLimitExceeded, .field = "mesh.vertex_count"})));
-  EXPECT_EQ(size.count(kRetryInfo), 0U);
-  v1::ErrorDetails info;
-  ASSERT_TRUE(info.ParseFromString(size.at(kErrorInfo)));
-  EXPECT_EQ(info.metadata().at("limit"), "mesh.vertex_count");
+  // The name of a field says nothing about it.
+  for (const std::string field : {"mesh.vertex_count", "queue"}) {
+    const grpc::Status size =
+        ToGrpcStatus(MakeError("too large", {.reason = Reason::kLimitExceeded, .field = field}));
+    EXPECT_EQ(Details(size).count(kRetryInfo), 0U);
+    EXPECT_FALSE(GetErrorDetail(FromGrpcStatus(size))->retryable);
+    v1::ErrorDetails info;
+    ASSERT_TRUE(info.ParseFromString(Details(size).at(kErrorInfo)));
+    EXPECT_EQ(info.metadata().at("limit"), field);
+  }
 }
 
 TEST(StatusTest, ALimitIsNamedBesideTheField) {
