@@ -151,7 +151,7 @@ void BM_FirstRefinement(benchmark::State& state) {
 
 void BM_Perturb(benchmark::State& state) {
   Measure(state, [](Input& input) {
-    OrDie(PerturbToInterpolate(input.context, input.mesh, input.given.positions,
+    OrDie(PerturbToInterpolate(input.context, {input.mesh, input.given.positions},
                                absl::MakeSpan(input.first)));
   });
 }

@@ -32,7 +32,6 @@ const std::map<Reason, Expected>& AllReasons() {
       {Reason::kInconsistentOrientation,
        {"INCONSISTENT_ORIENTATION", absl::StatusCode::kInvalidArgument}},
       {Reason::kNonManifoldVertex, {"NON_MANIFOLD_VERTEX", absl::StatusCode::kInvalidArgument}},
-      {Reason::kOpenMesh, {"OPEN_MESH", absl::StatusCode::kInvalidArgument}},
       {Reason::kMalformedEncoding, {"MALFORMED_ENCODING", absl::StatusCode::kInvalidArgument}},
       {Reason::kMalformedRequest, {"MALFORMED_REQUEST", absl::StatusCode::kInvalidArgument}},
       {Reason::kMalformedFile, {"MALFORMED_FILE", absl::StatusCode::kInvalidArgument}},
@@ -87,10 +86,10 @@ TEST(Error, RemedyIsPartOfTheMessage) {
 }
 
 TEST(Error, DetailsSurviveCopies) {
-  const absl::Status status = MakeError("x", {.reason = Reason::kOpenMesh, .index = 3});
+  const absl::Status status = MakeError("x", {.reason = Reason::kNonManifoldEdge, .index = 3});
   const absl::StatusOr<int> wrapped = status;
   EXPECT_EQ(GetErrorDetail(wrapped.status())->index, 3U);
-  EXPECT_EQ(GetErrorDetail(wrapped.status())->reason, Reason::kOpenMesh);
+  EXPECT_EQ(GetErrorDetail(wrapped.status())->reason, Reason::kNonManifoldEdge);
 }
 
 TEST(Error, OkHasNoDetail) { EXPECT_FALSE(GetErrorDetail(absl::OkStatus()).has_value()); }
