@@ -7,16 +7,12 @@
 
 #include "engine/limit/biquadratic.h"
 #include "engine/limit/shrinking_ring.h"
+#include "engine/refine/doo_sabin_rule.h"
 
 namespace limn {
 namespace {
 
 using Which = FaceAtCorner::Which;
-
-// [ZC Eq. 1] for a quad.
-Vec3 QuadImage(const Vec3& own, const Vec3& side_a, const Vec3& side_b, const Vec3& opposite) {
-  return 0.0625 * (9.0 * own + 3.0 * (side_a + side_b) + opposite);
-}
 
 Vec3 TimesPowerOfTwo(const Vec3& a, int exponent) {
   return {std::ldexp(a.x, exponent), std::ldexp(a.y, exponent), std::ldexp(a.z, exponent)};

@@ -7,15 +7,15 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <memory>
 #include <random>
 #include <utility>
 #include <vector>
 
 #include "engine/base/parallel.h"
-#include "engine/constraints/perturb.h"
+#include "engine/interpolate.h"
 #include "engine/limit/evaluate.h"
 #include "engine/mesh/generate.h"
-#include "engine/refine/doo_sabin_refine.h"
 
 namespace limn {
 namespace {
@@ -32,14 +32,8 @@ void OrDie(const absl::Status& status) {
 }
 
 DooSabinSurface MakeSurface(MeshKind kind, std::uint64_t vertices) {
-  const Context context;
   const PolygonMesh given = OrDie(GenerateMesh({.kind = kind, .vertices = vertices}));
-  DooSabinSurface surface = {.mesh = OrDie(HalfEdgeMesh::Build(context, given))};
-  surface.corners.resize(surface.mesh.half_edge_count());
-  OrDie(FirstRefinement(context, surface.mesh, given.positions, absl::MakeSpan(surface.corners)));
-  OrDie(PerturbToInterpolate(context, surface.mesh, given.positions,
-                             absl::MakeSpan(surface.corners)));
-  return surface;
+  return *OrDie(Interpolate(Context(), given, {.surface = false, .keep_patches = true})).patches;
 }
 
 // In patches at random; u and v in [0, 2^-halvings].

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "engine/constraints/perturb.h"
+#include "engine/interpolate.h"
 #include "engine/limit/doo_sabin_limit.h"
 #include "engine/refine/doo_sabin_refine.h"
 #include "engine/refine/quad_split.h"
@@ -28,6 +28,11 @@ T OrThrow(absl::StatusOr<T> value) {
 DooSabinSurface SurfaceOf(const PolygonMesh& given) {
   DooSabinSurface surface = {.mesh = OrThrow(HalfEdgeMesh::Build(Context(), given))};
   surface.corners.resize(surface.mesh.half_edge_count());
+  surface.boundary = OrThrow(FindBoundary(Context(), surface.mesh));
+  for (Buffer<Vec3>* points :
+       {&surface.boundary.centre, &surface.boundary.start, &surface.boundary.end}) {
+    points->resize(surface.boundary.size());
+  }
   return surface;
 }
 
@@ -62,16 +67,28 @@ DooSabinSurface RandomSurface(const PolygonMesh& given, std::uint64_t seed) {
   DooSabinSurface surface = SurfaceOf(given);
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> coordinate(-1, 1);
-  for (Vec3& p : surface.corners) p = {coordinate(random), coordinate(random), coordinate(random)};
+  const auto point = [&] {
+    const double x = coordinate(random);
+    const double y = coordinate(random);
+    return Vec3{x, y, coordinate(random)};
+  };
+  for (Vec3& p : surface.corners) p = point();
+  BoundaryCurve& curve = surface.boundary;
+  for (std::size_t i = 0; i < curve.size(); ++i) {
+    curve.start[i] = point();
+    curve.end[i] = point();
+  }
+  for (std::size_t i = 0; i < curve.size(); ++i) {
+    const bool corner = surface.mesh.valence(surface.mesh.vertex()[curve.half_edge[i]]) == 1;
+    curve.centre[i] = corner ? point() : 0.5 * (curve.start[i] + curve.end[curve.previous[i]]);
+  }
   return surface;
 }
 
 DooSabinSurface InterpolatingSurface(const PolygonMesh& given) {
-  DooSabinSurface surface = SurfaceOf(given);
-  const absl::Span<Vec3> corners = absl::MakeSpan(surface.corners);
-  OrThrow(FirstRefinement(Context(), surface.mesh, given.positions, corners));
-  OrThrow(PerturbToInterpolate(Context(), surface.mesh, given.positions, corners));
-  return surface;
+  InterpolateResult result =
+      OrThrow(Interpolate(Context(), given, {.surface = false, .keep_patches = true}));
+  return *std::move(result.patches);
 }
 
 DooSabinSurface RefinedSurface(const DooSabinSurface& surface) {
@@ -86,8 +103,17 @@ DooSabinSurface RefinedSurface(const DooSabinSurface& surface) {
   }
   DooSabinSurface refined = SurfaceOf(split);
   const ExtraordinaryFans fans = OrThrow(FindExtraordinaryFans(Context(), mesh));
-  OrThrow(RefineDooSabin(Context(), {.mesh = mesh, .fans = fans, .k = 1}, surface.corners,
-                         absl::MakeSpan(refined.corners)));
+  OrThrow(RefineDooSabin(Context(),
+                         {.mesh = mesh, .fans = fans, .k = 1, .boundary = &surface.boundary},
+                         surface.corners, absl::MakeSpan(refined.corners)));
+  // In the order of T^1's own boundary.
+  const BoundaryCurve curve = OrThrow(RefineBoundary(Context(), mesh, surface.boundary));
+  for (std::size_t i = 0; i < curve.size(); ++i) {
+    const Index at = refined.boundary.Find(curve.half_edge[i]);
+    refined.boundary.centre[at] = curve.centre[i];
+    refined.boundary.start[at] = curve.start[i];
+    refined.boundary.end[at] = curve.end[i];
+  }
   return refined;
 }
 
@@ -109,14 +135,16 @@ DeepSurface Refined(const DooSabinSurface& surface, std::uint32_t level) {
   const Context context;
   const ExtraordinaryFans fans = OrThrow(FindExtraordinaryFans(context, surface.mesh));
   Buffer<Vec3> corners = surface.corners;
+  BoundaryCurve boundary = surface.boundary;
   // T^(level - 1): the input's first, then one that takes its place.
   const HalfEdgeMesh* mesh = &surface.mesh;
   HalfEdgeMesh split = OrThrow(SplitIntoQuads(context, surface.mesh));
   for (std::uint32_t k = 1; k < level; ++k) {
     Buffer<Vec3> refined(4 * corners.size());
-    OrThrow(RefineDooSabin(context, {.mesh = *mesh, .fans = fans, .k = k}, corners,
-                           absl::MakeSpan(refined)));
+    OrThrow(RefineDooSabin(context, {.mesh = *mesh, .fans = fans, .k = k, .boundary = &boundary},
+                           corners, absl::MakeSpan(refined)));
     corners = std::move(refined);
+    boundary = OrThrow(RefineBoundary(context, *mesh, boundary));
     if (k > 1) split = OrThrow(SplitIntoQuads(context, split));
     mesh = &split;
   }
@@ -125,7 +153,7 @@ DeepSurface Refined(const DooSabinSurface& surface, std::uint32_t level) {
   deep.points.resize(mesh->vertex_count() + mesh->edge_count() + mesh->face_count());
   deep.normals.resize(deep.points.size());
   OrThrow(DooSabinLimit(
-      context, {.mesh = *mesh, .fans = fans, .k = level}, corners,
+      context, {.mesh = *mesh, .fans = fans, .k = level, .boundary = &boundary}, corners,
       {.points = absl::MakeSpan(deep.points), .normals = absl::MakeSpan(deep.normals)}));
   std::vector<Index> quads(4 * mesh->half_edge_count());
   OrThrow(QuadVertices(context, *mesh, absl::MakeSpan(quads)));

@@ -12,11 +12,11 @@
 
 namespace limn::oracle {
 
-// The surface of a closed mesh with the points of M^1 at random places in [-1, 1]^3.
+// A surface over a mesh, open or closed, with the points of M^1 and those of the boundary curve at
+// random places in [-1, 1]^3. (On the curve, a vertex that is no corner lies in the middle.)
 DooSabinSurface RandomSurface(const PolygonMesh& given, std::uint64_t seed);
 
-// The surface that passes through the vertices of a closed mesh, with the given points themselves
-// as control points.
+// The surface that passes through the vertices of a mesh.
 DooSabinSurface InterpolatingSurface(const PolygonMesh& given);
 
 // The same surface by M^2 on T^1: patch h becomes 4h (at the vertex), 4h + 1 (edge), 4h + 2 (face)
