@@ -7,7 +7,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 #include "engine/base/error.h"
+#include "engine/limit/certificate.h"
 #include "proto/wire/status.h"
+#include "server/constraints_from_proto.h"
 
 namespace limn {
 namespace {
@@ -39,7 +41,10 @@ std::uint64_t EstimateJobBytes(const JobSpec& spec) {
   std::uint64_t bytes = SaturatingAdd(spec.mesh.byte_count(), decoded);
   bytes = SaturatingAdd(bytes, EstimateBytes(vertices, faces, corners, spec.engine));
   if (spec.send_control_mesh) bytes = SaturatingAdd(bytes, decoded);
-  bytes = SaturatingAdd(bytes, vertices * sizeof(double));
+  const Constraints& constraints = spec.engine.constraints;
+  bytes = SaturatingAdd(bytes, CertificateBuilder::Bytes(vertices, constraints.normals.size()));
+  // The call keeps its copy, and the job has one.
+  bytes = SaturatingAdd(bytes, 2 * ConstraintBytes(constraints));
   return SaturatingAdd(bytes, kMessagesInFlight * spec.tiles.tile_bytes);
 }
 

@@ -17,8 +17,9 @@ double MillisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-// Whether one of the faces of the range has one of the first `vertices` vertices.
-bool Touches(const Tessellation& surface, const wire::TileRange& range, std::uint64_t vertices) {
+// Whether one of the faces of the range has a vertex that the certificate counts.
+bool Touches(const Tessellation& surface, const wire::TileRange& range,
+             const CertificateBuilder& certificate) {
   const auto corner = [&](std::uint64_t face) -> std::uint64_t {
     return surface.arity != 0 ? face * surface.arity : surface.face_begin[face];
   };
@@ -26,7 +27,33 @@ bool Touches(const Tessellation& surface, const wire::TileRange& range, std::uin
   const std::uint64_t end = corner(range.first_face + range.face_count);
   const auto corners = absl::MakeConstSpan(surface.face_vertices).subspan(begin, end - begin);
   return std::any_of(corners.begin(), corners.end(),
-                     [&](Index vertex) { return vertex < vertices; });
+                     [&](Index vertex) { return certificate.counts(vertex); });
+}
+
+v1::Certificate CertificateToProto(const Certificate& found) {
+  v1::Certificate certificate;
+  certificate.set_points_checked(found.points_checked);
+  certificate.set_max_error(found.max_error);
+  certificate.set_mean_error(found.mean_error);
+  certificate.set_bounding_box_diagonal(found.bounding_box_diagonal);
+  certificate.set_max_error_vertex(found.max_error_vertex);
+  certificate.set_normals_checked(found.normals_checked);
+  certificate.set_max_normal_deviation(found.max_normal_deviation);
+  certificate.set_max_normal_deviation_vertex(found.max_normal_deviation_vertex);
+  return certificate;
+}
+
+// Tells the certificate what a decoded tile says.
+void CertifyTile(const wire::DecodedTile& tile, CertificateBuilder* certificate) {
+  if (tile.vertex_ids.empty()) {
+    certificate->AddRun(tile.first_vertex, tile.positions);
+    certificate->AddNormalRun(tile.first_vertex, tile.normals);
+    return;
+  }
+  for (std::size_t i = 0; i < tile.vertex_ids.size(); ++i) {
+    certificate->Add(tile.vertex_ids[i], tile.positions[i]);
+    if (!tile.normals.empty()) certificate->AddNormal(tile.vertex_ids[i], tile.normals[i]);
+  }
 }
 
 }  // namespace
@@ -46,13 +73,19 @@ absl::Status Job::Run(std::string encoded_mesh) {
   context_.Report({.stage = "decode"});
   LIMN_ASSIGN_OR_RETURN(mesh_, wire::DecodeMesh(context_, spec_.mesh, encoded_mesh));
   std::string().swap(encoded_mesh);
+  input_faces_ = mesh_.face_count();
   AddStage("decode", MillisecondsSince(start));
 
   LIMN_ASSIGN_OR_RETURN(InterpolateResult result, Interpolate(context_, mesh_, spec_.engine));
   stages_.insert(stages_.end(), result.stages.begin(), result.stages.end());
   solve_ = result.solve;
   surface_ = std::move(result.surface);
-  certificate_.emplace(std::exchange(mesh_.positions, std::move(result.control_positions)));
+  certificate_.emplace(std::exchange(mesh_.positions, std::move(result.control_positions)),
+                       spec_.engine.constraints);
+  if (!spec_.send_normals) {
+    certificate_->AddNormalRun(0, surface_.normals);
+    Buffer<Vec3>().swap(surface_.normals);
+  }
   if (spec_.send_surface) {
     LIMN_RETURN_IF_ERROR(PlanTiles());
   } else {
@@ -140,23 +173,22 @@ absl::Status Job::NextTile(v1::SurfaceTile* tile) {
   return absl::OkStatus();
 }
 
-// What the client will have: a packed tile holds the very doubles, any other is decoded again.
+// What the client will have. The positions of a packed tile are the very doubles; its normals, and
+// all of any other tile, are decoded again.
 absl::Status Job::Certify(const wire::TileRange& range, const v1::SurfaceTile& tile) {
-  if (tile.encoding() == v1::MESH_ENCODING_PACKED) {
+  const bool packed = tile.encoding() == v1::MESH_ENCODING_PACKED;
+  const bool normals = spec_.send_normals && !spec_.engine.constraints.normals.empty();
+  if (packed && !normals) {
     certificate_->AddRun(
         range.first_vertex,
         absl::MakeConstSpan(surface_.positions).subspan(range.first_vertex, range.vertex_count));
     return absl::OkStatus();
   }
-  if (!Touches(surface_, range, certificate_->target_count())) return absl::OkStatus();
+  const bool touches = packed ? range.first_vertex < certificate_->target_count()
+                              : Touches(surface_, range, *certificate_);
+  if (!touches) return absl::OkStatus();
   LIMN_ASSIGN_OR_RETURN(const wire::DecodedTile decoded, wire::DecodeTile(tile));
-  if (decoded.vertex_ids.empty()) {
-    certificate_->AddRun(decoded.first_vertex, decoded.positions);
-    return absl::OkStatus();
-  }
-  for (std::size_t i = 0; i < decoded.vertex_ids.size(); ++i) {
-    certificate_->Add(decoded.vertex_ids[i], decoded.positions[i]);
-  }
+  CertifyTile(decoded, &*certificate_);
   return absl::OkStatus();
 }
 
@@ -165,29 +197,23 @@ void Job::FillSummary(v1::Summary* summary) {
   summary->set_request_id(spec_.request_id);
   summary->set_server_version(LIMN_VERSION);
   summary->set_scheme(v1::SCHEME_DOO_SABIN);
-  summary->set_input_vertices(spec_.mesh.vertex_count());
-  summary->set_input_faces(spec_.mesh.face_count());
-  summary->set_level(spec_.engine.level);
+  summary->set_input_vertices(certificate_->target_count());
+  summary->set_input_faces(input_faces_);
+  summary->set_level(spec_.send_surface ? surface_.level : spec_.engine.level);
   if (spec_.send_surface) {
     summary->set_surface_vertices(surface_.vertex_count());
     summary->set_surface_faces(surface_.face_count());
   }
   v1::SolveReport* solve = summary->mutable_solve();
   solve->set_method(MethodToProto(solve_.method));
-  solve->set_rule(v1::SolveOptions::RULE_MODIFIED);
+  solve->set_rule(RuleToProto(spec_.engine.rule));
   solve->set_sweeps(solve_.sweeps);
   solve->set_converged(solve_.converged);
   solve->set_last_update(solve_.last_update);
   solve->set_residual(solve_.residual);
 
-  const Certificate found = certificate_->Finish();
-  v1::Certificate* certificate = summary->mutable_certificate();
-  certificate->set_points_checked(found.points_checked);
-  certificate->set_max_error(found.max_error);
-  certificate->set_mean_error(found.mean_error);
-  certificate->set_bounding_box_diagonal(found.bounding_box_diagonal);
-  certificate->set_max_error_vertex(found.max_error_vertex);
-  certificate->set_after_encoding(spec_.send_surface);
+  *summary->mutable_certificate() = CertificateToProto(certificate_->Finish());
+  summary->mutable_certificate()->set_after_encoding(spec_.send_surface);
 
   for (const StageTime& stage : stages_) {
     v1::StageTime* entry = summary->add_stages();

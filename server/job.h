@@ -65,6 +65,8 @@ class Job {
   std::uint64_t bytes_received_ = 0;
   std::uint64_t bytes_sent_ = 0;
 
+  // The header need not claim it.
+  std::uint64_t input_faces_ = 0;
   // The input; after Run with the control mesh's positions.
   PolygonMesh mesh_;
   SolveReport solve_;

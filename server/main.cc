@@ -16,6 +16,7 @@
 #include <thread>
 
 #include "engine/base/error.h"
+#include "engine/base/heap.h"
 #include "server/limits.h"
 #include "server/log.h"
 #include "server/server.h"
@@ -146,6 +147,7 @@ int Run(const Flags& flags) {
 }  // namespace limn
 
 int main(int argc, char** argv) {
+  limn::KeepHeap();
   CLI::App app("limnd serves interpolating subdivision surfaces by gRPC.", "limnd");
   limn::Flags flags;
   limn::AddFlags(&app, &flags);

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 #include "engine/base/error.h"
+#include "server/constraints_from_proto.h"
 
 namespace limn {
 namespace {
@@ -69,31 +70,6 @@ absl::Status CheckEncoding(absl::string_view field, v1::MeshEncoding encoding) {
   return UnknownValue(field, encoding);
 }
 
-absl::Status CheckConstraints(const v1::Constraints& constraints) {
-  struct Kind {
-    bool used;
-    absl::string_view field;
-    absl::string_view feature;
-  };
-  const Kind kinds[] = {
-      {constraints.has_interpolate(), "constraints.interpolate", "subsets of vertices are"},
-      {constraints.normals_size() > 0, "constraints.normals", "prescribed normals are"},
-      {constraints.shape_handles_size() > 0, "constraints.shape_handles", "shape handles are"},
-      {constraints.surface_points_size() > 0, "constraints.surface_points",
-       "constraints at points of the surface are"},
-      {constraints.creases_size() > 0, "constraints.creases", "creases are"},
-      {constraints.corners_size() > 0, "constraints.corners", "sharp vertices are"},
-      {constraints.holes_size() > 0, "constraints.holes", "holes are"},
-      {constraints.has_features(), "constraints.features", "feature values are"},
-  };
-  for (const Kind& kind : kinds) {
-    if (kind.used) {
-      return NotBuilt(kind.field, kind.feature, "Leave it out: all vertices are interpolated");
-    }
-  }
-  return absl::OkStatus();
-}
-
 absl::StatusOr<SolveMethod> MethodFromProto(v1::SolveOptions::Method method) {
   switch (method) {
     case v1::SolveOptions::METHOD_UNSPECIFIED:
@@ -110,14 +86,13 @@ absl::StatusOr<SolveMethod> MethodFromProto(v1::SolveOptions::Method method) {
   }
 }
 
-absl::Status CheckRule(v1::SolveOptions::Rule rule) {
+absl::StatusOr<FirstRule> RuleFromProto(v1::SolveOptions::Rule rule) {
   switch (rule) {
     case v1::SolveOptions::RULE_UNSPECIFIED:
     case v1::SolveOptions::RULE_MODIFIED:
-      return absl::OkStatus();
+      return FirstRule::kModified;
     case v1::SolveOptions::RULE_STANDARD:
-      return NotBuilt("solve.rule", "the scheme's own first refinement rule is",
-                      "Use RULE_MODIFIED");
+      return FirstRule::kStandard;
     case v1::SolveOptions::RULE_BILINEAR_FIRST_STEP:
       return NotBuilt("solve.rule", "the bilinear first refinement rule is", "Use RULE_MODIFIED");
     default:
@@ -128,10 +103,6 @@ absl::Status CheckRule(v1::SolveOptions::Rule rule) {
 absl::StatusOr<SolveOptions> SolveFromProto(const v1::SolveOptions& solve) {
   SolveOptions options;
   LIMN_ASSIGN_OR_RETURN(options.method, MethodFromProto(solve.method()));
-  LIMN_RETURN_IF_ERROR(CheckRule(solve.rule()));
-  if (solve.fair()) {
-    return NotBuilt("solve.fair", "fairing is", "Leave it off");
-  }
   if (solve.has_tolerance()) {
     // Written so that NaN is refused.
     if (!(solve.tolerance() >= 0 && solve.tolerance() < 1)) {
@@ -152,8 +123,13 @@ absl::StatusOr<SolveOptions> SolveFromProto(const v1::SolveOptions& solve) {
 
 absl::Status ReadSurface(const v1::SurfaceOptions& surface, InterpolateOptions* options) {
   if (surface.fineness_case() == v1::SurfaceOptions::kChordTolerance) {
-    return NotBuilt("surface.chord_tolerance", "tessellation to a chord tolerance is",
-                    "Use surface.level");
+    // Written so that NaN is refused.
+    if (!(std::isfinite(surface.chord_tolerance()) && surface.chord_tolerance() > 0)) {
+      return Invalid("surface.chord_tolerance",
+                     absl::StrCat(surface.chord_tolerance(), " is not a finite number above 0"),
+                     "It is a distance in model units");
+    }
+    options->chord_tolerance = surface.chord_tolerance();
   }
   if (surface.fineness_case() == v1::SurfaceOptions::kLevel) {
     if (surface.level() > kMostLevels) {
@@ -199,9 +175,14 @@ absl::Status CheckOutput(const v1::OutputOptions& output) {
 void ReadOutput(const v1::OutputOptions& output, JobSpec* spec) {
   spec->send_control_mesh = output.control_mesh();
   spec->send_surface = output.surface();
+  spec->send_normals = output.surface() && output.normals();
   spec->engine.surface = true;
-  spec->engine.normals = output.surface() && output.normals();
-  if (!output.surface()) spec->engine.level = 0;
+  // Prescribed normals are certified, whether normals are sent or not.
+  spec->engine.normals = spec->send_normals || !spec->engine.constraints.normals.empty();
+  if (!output.surface()) {
+    spec->engine.level = 0;
+    spec->engine.chord_tolerance.reset();
+  }
   if (output.encoding() != v1::MESH_ENCODING_UNSPECIFIED) {
     spec->control_mesh.encoding = output.encoding();
     spec->tiles.encoding = output.encoding();
@@ -230,8 +211,11 @@ absl::StatusOr<JobSpec> JobSpecFromProto(const v1::InterpolateHeader& header) {
   if (spec.mesh.encoding() == v1::MESH_ENCODING_UNSPECIFIED) {
     spec.mesh.set_encoding(v1::MESH_ENCODING_PACKED);
   }
-  LIMN_RETURN_IF_ERROR(CheckConstraints(header.constraints()));
+  LIMN_ASSIGN_OR_RETURN(spec.engine.constraints,
+                        ConstraintsFromProto(header.constraints(), spec.mesh.vertex_count()));
   LIMN_ASSIGN_OR_RETURN(spec.engine.solve, SolveFromProto(header.solve()));
+  LIMN_ASSIGN_OR_RETURN(spec.engine.rule, RuleFromProto(header.solve().rule()));
+  spec.engine.fair = header.solve().fair();
   LIMN_RETURN_IF_ERROR(ReadSurface(header.surface(), &spec.engine));
   LIMN_RETURN_IF_ERROR(CheckOutput(header.output()));
   ReadOutput(header.output(), &spec);
@@ -248,6 +232,16 @@ v1::SolveOptions::Method MethodToProto(SolveMethod method) {
       return v1::SolveOptions::METHOD_GAUSS_SEIDEL;
   }
   return v1::SolveOptions::METHOD_UNSPECIFIED;
+}
+
+v1::SolveOptions::Rule RuleToProto(FirstRule rule) {
+  switch (rule) {
+    case FirstRule::kModified:
+      return v1::SolveOptions::RULE_MODIFIED;
+    case FirstRule::kStandard:
+      return v1::SolveOptions::RULE_STANDARD;
+  }
+  return v1::SolveOptions::RULE_UNSPECIFIED;
 }
 
 }  // namespace limn

@@ -20,10 +20,13 @@ struct JobSpec {
   std::string request_id;
   // The mesh's claims; see wire::CheckHeader, which is not called here.
   v1::MeshHeader mesh;
-  // `surface` is always set: without one to send, level 0 is computed for the certificate.
+  // `surface` is always set: without one to send, level 0 is computed for the certificate. So are
+  // `normals` where some are prescribed.
   InterpolateOptions engine;
   bool send_control_mesh = false;
   bool send_surface = false;
+  // With the surface.
+  bool send_normals = false;
   wire::MeshEncodeOptions control_mesh;
   wire::TileOptions tiles;
 };
@@ -34,5 +37,6 @@ struct JobSpec {
 
 // What the engine did, as the contract says it.
 [[nodiscard]] v1::SolveOptions::Method MethodToProto(SolveMethod method);
+[[nodiscard]] v1::SolveOptions::Rule RuleToProto(FirstRule rule);
 
 }  // namespace limn

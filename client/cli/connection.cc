@@ -57,7 +57,7 @@ ServerLimits EmbeddedLimits() {
   ServerLimits limits;
   const std::uint64_t memory = PhysicalMemory();
   for (const LimitEntry& entry : LimitTable()) {
-    if (entry.unit == "bytes" && entry.value != &ServerLimits::max_message_bytes) {
+    if (entry.unit == "bytes") {
       limits.*entry.value = std::min(entry.most, memory);
     } else if (entry.unit == "vertices" || entry.unit == "corners" || entry.unit == "refinements") {
       limits.*entry.value = entry.most;

@@ -10,6 +10,7 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/connection.h"
+#include "client/cli/constraints_file.h"
 #include "client/cli/interrupt_watcher.h"
 #include "client/cli/job_options.h"
 #include "client/cli/job_runner.h"
@@ -24,6 +25,8 @@ namespace {
 
 struct InterpolateFlags {
   std::string input;
+  // Empty for none.
+  std::string constraints;
   OutputPaths outputs;
   JobOptions job;
   ConnectionOptions connection;
@@ -47,9 +50,22 @@ ExitStatus FailAt(const std::string& server, const absl::Status& status) {
   return ExitStatus::kServer;
 }
 
+// The job's header, with the constraints of the file that is named.
+absl::StatusOr<v1::InterpolateHeader> MakeHeader(const InterpolateFlags& flags) {
+  v1::InterpolateHeader header =
+      MakeJobHeader(flags.job, {.surface = !flags.outputs.surfaces.empty(),
+                                .control_mesh = !flags.outputs.control_mesh.empty()});
+  if (!flags.constraints.empty()) {
+    LIMN_ASSIGN_OR_RETURN(*header.mutable_constraints(), ReadConstraintsFile(flags.constraints));
+  }
+  return header;
+}
+
 ExitStatus Run(const InterpolateFlags& flags) {
-  absl::Status status = CheckOutputs(flags.outputs, flags.input);
+  absl::Status status = CheckOutputs(flags.outputs, {flags.input, flags.constraints});
   if (!status.ok()) return FailWithOption(status);
+  absl::StatusOr<v1::InterpolateHeader> header = MakeHeader(flags);
+  if (!header.ok()) return FailWithFile(header.status());
 
   ProgressBar bar(!flags.quiet);
   JobCanceller canceller;
@@ -60,15 +76,15 @@ ExitStatus Run(const InterpolateFlags& flags) {
   bar.Clear();
   if (!mesh.ok()) return FailWithFile(mesh.status());
 
-  const WantedOutputs wanted = {.surface = !flags.outputs.surfaces.empty(),
-                                .control_mesh = !flags.outputs.control_mesh.empty()};
   absl::StatusOr<Connection> connection = Connection::Open(flags.connection);
   if (!connection.ok()) return FailWithJob(connection.status());
-  const absl::StatusOr<JobResult> result = RunJob(
-      connection->client(), {MakeJobHeader(flags.job, wanted), *std::move(mesh)}, &bar, &canceller);
+  const absl::StatusOr<JobResult> result =
+      RunJob(connection->client(), {*std::move(header), *std::move(mesh)}, &bar, &canceller);
   bar.Clear();
   if (canceller.cancelled()) return Interrupted();
-  if (!result.ok()) return FailAt(flags.connection.server, result.status());
+  if (!result.ok()) {
+    return FailAt(flags.connection.server, NameConstraintsFile(result.status(), flags.constraints));
+  }
 
   bar.Show("write", 0);
   status = WriteOutputs(flags.outputs, *result);
@@ -82,7 +98,7 @@ ExitStatus Run(const InterpolateFlags& flags) {
 
 void AddInterpolateCommand(CLI::App& app, ExitStatus* status) {
   CLI::App* command = app.add_subcommand(
-      "interpolate", "Find the smooth surface that passes through every vertex of a mesh");
+      "interpolate", "Find the smooth surface that passes through the vertices of a mesh");
   const auto flags = std::make_shared<InterpolateFlags>();
   command->add_option("IN", flags->input, "Closed mesh: .obj, .off, .ply or .stl")->required();
   command
@@ -100,6 +116,7 @@ void AddInterpolateCommand(CLI::App& app, ExitStatus* status) {
       ->add_option("--report", flags->outputs.report,
                    "The summary (limn.v1.Summary) as JSON: sizes, sweeps, errors, times")
       ->type_name("FILE.json");
+  AddConstraintsFlag(*command, &flags->constraints);
   AddJobFlags(*command, &flags->job);
   AddConnectionFlags(*command, &flags->connection);
   command->add_flag("-q,--quiet", flags->quiet, "No table and no progress bar");

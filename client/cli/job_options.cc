@@ -17,6 +17,7 @@ namespace limn::cli {
 namespace {
 
 using SolveMethod = v1::SolveOptions::Method;
+using FirstRule = v1::SolveOptions::Rule;
 
 template <class T, std::size_t kCount>
 using Names = std::array<std::pair<std::string_view, T>, kCount>;
@@ -31,6 +32,11 @@ constexpr Names<SolveMethod, 3> kSolvers = {{
     {"chebyshev", v1::SolveOptions::METHOD_CHEBYSHEV},
     {"jacobi", v1::SolveOptions::METHOD_JACOBI},
     {"gauss-seidel", v1::SolveOptions::METHOD_GAUSS_SEIDEL},
+}};
+
+constexpr Names<FirstRule, 2> kRules = {{
+    {"modified", v1::SolveOptions::RULE_MODIFIED},
+    {"standard", v1::SolveOptions::RULE_STANDARD},
 }};
 
 // How results travel.
@@ -77,6 +83,10 @@ void AddJobFlags(CLI::App& app, JobOptions* options) {
   app.add_option("--solver", options->solver, "Iteration that finds the control mesh")
       ->check(OneOf(kSolvers))
       ->capture_default_str();
+  app.add_option("--rule", options->rule,
+                 "First refinement that the equations are set up with: Zheng and Cai's modified "
+                 "one, or the scheme's own, which is Nasri's method [modified]")
+      ->check(OneOf(kRules));
   app.add_option("--tolerance", options->tolerance,
                  "Stop when no vertex moves further in a sweep than this part of the bounding "
                  "box's diagonal; 0 runs --max-sweeps [1e-12]")
@@ -99,6 +109,7 @@ v1::InterpolateHeader MakeJobHeader(const JobOptions& options, const WantedOutpu
   v1::InterpolateHeader header;
   header.set_scheme(ValueOf(kSchemes, options.scheme));
   header.mutable_solve()->set_method(ValueOf(kSolvers, options.solver));
+  if (options.rule) header.mutable_solve()->set_rule(ValueOf(kRules, *options.rule));
   if (options.tolerance) header.mutable_solve()->set_tolerance(*options.tolerance);
   if (options.max_sweeps) header.mutable_solve()->set_max_sweeps(*options.max_sweeps);
   header.mutable_surface()->set_level(options.level);

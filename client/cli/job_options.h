@@ -18,6 +18,7 @@ struct JobOptions {
   std::string solver = "chebyshev";
   std::string encoding = "packed";
   std::uint32_t level = 2;
+  std::optional<std::string> rule;
   std::optional<double> tolerance;
   std::optional<std::uint32_t> max_sweeps;
   std::optional<std::uint32_t> quantization_bits;

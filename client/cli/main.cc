@@ -12,6 +12,7 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/exit_status.h"
+#include "engine/base/heap.h"
 
 namespace limn::cli {
 namespace {
@@ -61,6 +62,7 @@ ExitStatus Main(int argc, char** argv) {
 }  // namespace limn::cli
 
 int main(int argc, char** argv) {
+  limn::KeepHeap();
   using limn::cli::ExitStatus;
   try {
     return static_cast<int>(limn::cli::Main(argc, argv));

@@ -28,16 +28,20 @@ fs::path Identity(const std::string& path) {
   return error ? fs::path(path) : canonical;
 }
 
-absl::Status CheckDistinct(const OutputPaths& paths, const std::string& input) {
+absl::Status CheckDistinct(const OutputPaths& paths, const std::vector<std::string>& inputs) {
   std::vector<std::string> all = paths.surfaces;
   if (!paths.control_mesh.empty()) all.push_back(paths.control_mesh);
   if (!paths.report.empty()) all.push_back(paths.report);
-  std::vector<fs::path> seen = {Identity(input)};
+  std::vector<fs::path> seen;
+  for (const std::string& input : inputs) {
+    if (!input.empty()) seen.push_back(Identity(input));
+  }
+  const std::size_t input_count = seen.size();
   for (const std::string& path : all) {
     fs::path identity = Identity(path);
     for (std::size_t i = 0; i < seen.size(); ++i) {
       if (seen[i] != identity) continue;
-      const std::string what = i == 0 ? " is the input" : " is named for two outputs";
+      const std::string what = i < input_count ? " is an input" : " is named for two outputs";
       return MakeError("'" + path + "'" + what, {.reason = Reason::kInvalidOption,
                                                  .field = "output",
                                                  .remedy = "Give every file its own name"});
@@ -65,8 +69,8 @@ absl::Status WriteStaged(StagedFiles* files, const std::string& path, const Writ
 
 }  // namespace
 
-absl::Status CheckOutputs(const OutputPaths& paths, const std::string& input) {
-  LIMN_RETURN_IF_ERROR(CheckDistinct(paths, input));
+absl::Status CheckOutputs(const OutputPaths& paths, const std::vector<std::string>& inputs) {
+  LIMN_RETURN_IF_ERROR(CheckDistinct(paths, inputs));
   for (const std::string& path : paths.surfaces) {
     LIMN_RETURN_IF_ERROR(CheckWritable(path, OutputKind::kSurface));
   }

@@ -18,9 +18,11 @@ struct OutputPaths {
   std::string report;
 };
 
-// Whether all of them can be written, before any work is done. input: which must not be among
-// them. Errors: those of CheckWritable; INVALID_OPTION for a file that is named twice.
-[[nodiscard]] absl::Status CheckOutputs(const OutputPaths& paths, const std::string& input);
+// Whether all of them can be written, before any work is done. inputs: which must not be among
+// them; empty names are none. Errors: those of CheckWritable; INVALID_OPTION for a file that is
+// named twice.
+[[nodiscard]] absl::Status CheckOutputs(const OutputPaths& paths,
+                                        const std::vector<std::string>& inputs);
 
 // Writes all of them or none. Errors: those of the writers.
 [[nodiscard]] absl::Status WriteOutputs(const OutputPaths& paths, const JobResult& result);

@@ -28,18 +28,45 @@ std::string_view MethodName(v1::SolveOptions::Method method) {
   }
 }
 
+std::string_view RuleName(v1::SolveOptions::Rule rule) {
+  switch (rule) {
+    case v1::SolveOptions::RULE_MODIFIED:
+      return "modified";
+    case v1::SolveOptions::RULE_STANDARD:
+      return "standard";
+    default:
+      return "other";
+  }
+}
+
 std::string SolveText(const v1::SolveReport& solve) {
-  return absl::StrFormat("%u (%s, %s, residual %.1e of the bounding box)", solve.sweeps(),
-                         MethodName(solve.method()),
+  return absl::StrFormat("%u (%s, %s rule, %s, residual %.1e of the bounding box)", solve.sweeps(),
+                         MethodName(solve.method()), RuleName(solve.rule()),
                          solve.converged() ? "converged" : "tolerance not met", solve.residual());
 }
 
-std::string ErrorText(const v1::Certificate& certificate) {
+std::string LengthText(double length, const v1::Certificate& certificate) {
   const double diagonal = certificate.bounding_box_diagonal();
-  return absl::StrFormat("%.2e (%.1e of the bounding box) over %s vertices",
-                         certificate.max_error(),
-                         diagonal > 0 ? certificate.max_error() / diagonal : 0.0,
-                         WithCommas(certificate.points_checked()));
+  return absl::StrFormat("%.2e (%.1e of the bounding box)", length,
+                         diagonal > 0 ? length / diagonal : 0.0);
+}
+
+std::string CertificateRows(const v1::Certificate& certificate) {
+  std::string rows;
+  if (certificate.points_checked() > 0) {
+    rows += Row("points checked", WithCommas(certificate.points_checked()));
+    rows +=
+        Row("largest error", LengthText(certificate.max_error(), certificate) +
+                                 absl::StrFormat(" at vertex %u", certificate.max_error_vertex()));
+    rows += Row("mean error", LengthText(certificate.mean_error(), certificate));
+  }
+  if (certificate.normals_checked() > 0) {
+    rows += Row("normals checked", WithCommas(certificate.normals_checked()));
+    rows += Row("largest deviation",
+                absl::StrFormat("%.2e rad at vertex %u", certificate.max_normal_deviation(),
+                                certificate.max_normal_deviation_vertex()));
+  }
+  return rows;
 }
 
 }  // namespace
@@ -60,9 +87,7 @@ std::string SummaryTable(const v1::Summary& summary) {
                                       absl::StrFormat(" (level %u)", summary.level()));
   }
   table += Row("sweeps", SolveText(summary.solve()));
-  if (summary.certificate().points_checked() > 0) {
-    table += Row("largest error", ErrorText(summary.certificate()));
-  }
+  table += CertificateRows(summary.certificate());
   for (const v1::StageTime& stage : summary.stages()) {
     table += Row("  " + stage.stage(), absl::StrFormat("%10.3f ms", stage.milliseconds()));
   }

@@ -32,6 +32,7 @@ constexpr std::array kReasons = {
                 absl::StatusCode::kInvalidArgument},
     ReasonEntry{Reason::kCoordinateTooLarge, "COORDINATE_TOO_LARGE",
                 absl::StatusCode::kInvalidArgument},
+    ReasonEntry{Reason::kExtentTooSmall, "EXTENT_TOO_SMALL", absl::StatusCode::kInvalidArgument},
     ReasonEntry{Reason::kIsolatedVertex, "ISOLATED_VERTEX", absl::StatusCode::kInvalidArgument},
     ReasonEntry{Reason::kNonManifoldEdge, "NON_MANIFOLD_EDGE", absl::StatusCode::kInvalidArgument},
     ReasonEntry{Reason::kInconsistentOrientation, "INCONSISTENT_ORIENTATION",

@@ -23,6 +23,7 @@ enum class Reason {
   kRepeatedVertex,           // a face that visits a vertex twice
   kNonFiniteCoordinate,      // NaN or infinite
   kCoordinateTooLarge,       // arithmetic on it would overflow
+  kExtentTooSmall,           // arithmetic on differences would underflow
   kIsolatedVertex,           // a vertex that no face uses
   kNonManifoldEdge,          // an edge of more than two faces
   kInconsistentOrientation,  // two faces that walk an edge in the same direction
@@ -51,7 +52,8 @@ absl::StatusCode CodeOf(Reason reason);
 // What an error says beside its message.
 struct ErrorDetail {
   Reason reason = Reason::kInternal;
-  // Path of the offending field, such as "faces" or "solve.tolerance"; empty when there is none.
+  // Path of the offending field, such as "faces", "solve.tolerance" or, within an element,
+  // "constraints.normals[3].vertex"; empty when there is none.
   std::string field = {};
   // Index of the first offending element in that field, if it has elements.
   std::optional<std::uint64_t> index = std::nullopt;

@@ -52,7 +52,9 @@ v1::BadRequestDetails MakeBadRequest(const ErrorDetail& detail, const std::strin
   v1::BadRequestDetails bad;
   v1::BadRequestDetails::FieldViolation* violation = bad.add_field_violations();
   std::string path = Trailer(detail.field);
-  if (detail.index.has_value()) absl::StrAppend(&path, "[", *detail.index, "]");
+  // "constraints.normals[3].vertex" says the index already.
+  const bool names_index = path.find('[') != std::string::npos;
+  if (detail.index.has_value() && !names_index) absl::StrAppend(&path, "[", *detail.index, "]");
   violation->set_field(path);
   violation->set_description(Trailer(message));
   return bad;

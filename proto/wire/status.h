@@ -4,7 +4,8 @@
 // RetryInfo for RESOURCE_EXHAUSTED by a queue and for UNAVAILABLE.
 //
 // ErrorInfo.metadata holds "field", "index" and "remedy" where the error has them, and "limit" (the
-// field again) with LIMIT_EXCEEDED.
+// field again) with LIMIT_EXCEEDED. The path in BadRequest is the field with its index behind it,
+// "faces[7]", or the field alone where that is a path with an index already.
 #pragma once
 
 #include <grpcpp/support/status.h>

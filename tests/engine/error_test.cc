@@ -27,6 +27,7 @@ const std::map<Reason, Expected>& AllReasons() {
       {Reason::kRepeatedVertex, {"REPEATED_VERTEX", absl::StatusCode::kInvalidArgument}},
       {Reason::kNonFiniteCoordinate, {"NON_FINITE_COORDINATE", absl::StatusCode::kInvalidArgument}},
       {Reason::kCoordinateTooLarge, {"COORDINATE_TOO_LARGE", absl::StatusCode::kInvalidArgument}},
+      {Reason::kExtentTooSmall, {"EXTENT_TOO_SMALL", absl::StatusCode::kInvalidArgument}},
       {Reason::kIsolatedVertex, {"ISOLATED_VERTEX", absl::StatusCode::kInvalidArgument}},
       {Reason::kNonManifoldEdge, {"NON_MANIFOLD_EDGE", absl::StatusCode::kInvalidArgument}},
       {Reason::kInconsistentOrientation,

@@ -121,5 +121,22 @@ TEST(AdmissionTest, EstimateGrowsWithLevelAndSize) {
   EXPECT_GT(EstimateJobBytes(spec), fine);
 }
 
+TEST(AdmissionTest, EstimateCountsConstraints) {
+  JobSpec spec;
+  spec.mesh.set_vertex_count(1000);
+  spec.mesh.set_face_count(1000);
+  spec.mesh.set_corner_count(4000);
+  const std::uint64_t without = EstimateJobBytes(spec);
+  Constraints& constraints = spec.engine.constraints;
+  constraints.interpolate.emplace(1000);
+  const std::uint64_t subset = EstimateJobBytes(spec);
+  EXPECT_GE(subset, without + 2 * 1000 * sizeof(Index));
+  constraints.normals.resize(1000);
+  const std::uint64_t normals = EstimateJobBytes(spec);
+  EXPECT_GE(normals, subset + 3 * 1000 * sizeof(NormalConstraint));
+  constraints.shape_handles.resize(1000);
+  EXPECT_GE(EstimateJobBytes(spec), normals + 2 * 1000 * sizeof(ShapeHandle));
+}
+
 }  // namespace
 }  // namespace limn

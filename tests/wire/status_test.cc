@@ -92,6 +92,21 @@ TEST(StatusTest, BadInputCarriesErrorInfoAndBadRequest) {
   EXPECT_EQ(bad.field_violations(0).description(), "face 7 names vertex 9. Use less");
 }
 
+TEST(StatusTest, APathThatNamesItsElementIsTheWholePath) {
+  const grpc::Status status = ToGrpcStatus(MakeError("constraints.normals[3].vertex: no vertex 9",
+                                                     {.reason = Reason::kIndexOutOfRange,
+                                                      .field = "constraints.normals[3].vertex",
+                                                      .index = 3}));
+  v1::BadRequestDetails bad;
+  ASSERT_TRUE(bad.ParseFromString(Details(status).at(kBadRequest)));
+  ASSERT_EQ(bad.field_violations_size(), 1);
+  EXPECT_EQ(bad.field_violations(0).field(), "constraints.normals[3].vertex");
+  const auto back = GetErrorDetail(FromGrpcStatus(status));
+  ASSERT_TRUE(back.has_value());
+  EXPECT_EQ(back->field, "constraints.normals[3].vertex");
+  EXPECT_EQ(back->index, 3U);
+}
+
 TEST(StatusTest, OnlyWhatPassesByItselfCarriesRetryInfo) {
   for (int i = 0; i < kReasons; ++i) {
     const Reason reason = static_cast<Reason>(i);
