@@ -14,7 +14,8 @@
 namespace limn {
 
 // Bytes that a job needs at its peak: the encoded and the decoded mesh, the engine's arrays, the
-// encoded control mesh, the constraints, the certificate and the messages that wait. Saturates.
+// encoded control mesh, the constraints, the certificate and the messages that wait, parameters
+// among them. Saturates.
 [[nodiscard]] std::uint64_t EstimateJobBytes(const JobSpec& spec);
 
 // Thread-safe. Must outlive its tickets.
