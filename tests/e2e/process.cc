@@ -63,10 +63,13 @@ pid_t Spawn(const std::vector<std::string>& command, const std::array<std::strin
 }
 
 std::vector<std::string> ServerCommand(const Workspace& workspace,
-                                       const std::vector<std::string>& flags) {
+                                       const std::vector<std::string>& flags,
+                                       const std::string& preload) {
   std::filesystem::remove(workspace.log("port"));
-  std::vector<std::string> command = {LIMND_BINARY, "--listen", "127.0.0.1:0", "--port-file",
-                                      workspace.log("port").string()};
+  std::vector<std::string> command;
+  if (!preload.empty()) command = {"/usr/bin/env", "LD_PRELOAD=" + preload};
+  command.insert(command.end(), {LIMND_BINARY, "--listen", "127.0.0.1:0", "--port-file",
+                                 workspace.log("port").string()});
   command.insert(command.end(), flags.begin(), flags.end());
   return command;
 }
@@ -167,8 +170,8 @@ std::vector<std::string> Workspace::Files() const {
 }
 
 ServerProcess::ServerProcess(const Workspace& workspace, const std::vector<std::string>& flags,
-                             Process::Errors errors)
-    : process_(ServerCommand(workspace, flags), workspace.log("limnd"), errors) {
+                             Process::Errors errors, const std::string& preload)
+    : process_(ServerCommand(workspace, flags, preload), workspace.log("limnd"), errors) {
   std::string port;
   WaitUntil(20, [&] {
     port = ReadAll(workspace.log("port"));

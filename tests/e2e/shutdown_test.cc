@@ -49,5 +49,25 @@ TEST_F(ShutdownE2e, AReaderOfTheLogThatStandsStillChangesNothing) {
   EXPECT_LT(Clock::now() - start, std::chrono::seconds(8));
 }
 
+TEST_F(ShutdownE2e, WorkThatSeesNoCancelDoesNotHoldTheProcess) {
+  ServerProcess server(space_, {"--drain-seconds", "1"}, Process::Errors::kFile, ENDLESS_DRACO);
+  ASSERT_EQ(
+      space_.Limn({"generate", "torus", "--vertices", "100", "-o", space_.path("t.obj")}).status,
+      0);
+  Process* client = space_.StartLimn(
+      {"interpolate", space_.path("t.obj"), "-o", space_.path("s.obj"), "--control-mesh",
+       space_.path("c.obj"), "--encoding", "draco-quantized", "--server", server.address()});
+  ASSERT_TRUE(WaitUntil(20, [&] {
+    return client->ErrorText().find("encode") != std::string::npos || !client->Running();
+  }));
+  EXPECT_TRUE(client->Running()) << client->ErrorText();
+  const Clock::time_point start = Clock::now();
+  server.process().Signal(SIGTERM);
+  EXPECT_EQ(server.process().Wait(30), 0) << server.Log();
+  EXPECT_LT(Clock::now() - start, std::chrono::seconds(8));
+  EXPECT_NE(server.Log().find("work_left=yes"), std::string::npos) << server.Log();
+  EXPECT_EQ(client->Wait(20), 3) << client->ErrorText();
+}
+
 }  // namespace
 }  // namespace limn::e2e
