@@ -75,6 +75,13 @@ struct InterpolateResult {
                                           std::uint64_t corners, const InterpolateOptions& options,
                                           std::uint64_t boundary_edges = 0);
 
+// Bytes of the tessellation that Interpolate returns for such a mesh and options; 0 without
+// `surface`. Otherwise as above.
+[[nodiscard]] std::uint64_t EstimateSurfaceBytes(std::uint64_t vertices, std::uint64_t faces,
+                                                 std::uint64_t corners,
+                                                 const InterpolateOptions& options,
+                                                 std::uint64_t boundary_edges = 0);
+
 // Interpolates vertices of an oriented 2-manifold mesh, open or closed, of any arities and number
 // of components.
 //

@@ -36,6 +36,20 @@ struct Counts {
   }
 };
 
+Counts MakeCounts(std::uint64_t vertices, std::uint64_t faces, std::uint64_t corners,
+                  std::uint64_t boundary_edges) {
+  return {.vertices = static_cast<double>(vertices),
+          .edges = (static_cast<double>(corners) + static_cast<double>(boundary_edges)) / 2,
+          .faces = static_cast<double>(faces),
+          .half_edges = static_cast<double>(corners),
+          .boundary = static_cast<double>(boundary_edges)};
+}
+
+std::uint64_t Saturated(double bytes) {
+  return bytes >= kMost ? std::numeric_limits<std::uint64_t>::max()
+                        : static_cast<std::uint64_t>(bytes);
+}
+
 // A mesh from HalfEdgeMesh::Build: vertex, face, twin, edge, fan and room for as many edges; first
 // half-edges and fans of vertices; first corners of faces.
 double BuiltMesh(const Counts& n) {
@@ -115,19 +129,24 @@ double SurfacePeak(Counts n, const InterpolateOptions& options) {
                               std::max(Points(n.half_edges), mesh));
     n = split;
   }
-  return std::max(peak, fans + mesh + Curve(n) + Points(n.half_edges) + TessellationBytes(n, options));
+  return std::max(peak,
+                  fans + mesh + Curve(n) + Points(n.half_edges) + TessellationBytes(n, options));
 }
 
 }  // namespace
 
+std::uint64_t EstimateSurfaceBytes(std::uint64_t vertices, std::uint64_t faces,
+                                   std::uint64_t corners, const InterpolateOptions& options,
+                                   std::uint64_t boundary_edges) {
+  if (!options.surface) return 0;
+  Counts n = MakeCounts(vertices, faces, corners, boundary_edges);
+  for (std::uint32_t k = 1; k < options.level && n.vertices < kMost; ++k) n = n.Split();
+  return Saturated(TessellationBytes(n, options));
+}
+
 std::uint64_t EstimateBytes(std::uint64_t vertices, std::uint64_t faces, std::uint64_t corners,
                             const InterpolateOptions& options, std::uint64_t boundary_edges) {
-  const Counts n = {
-      .vertices = static_cast<double>(vertices),
-      .edges = (static_cast<double>(corners) + static_cast<double>(boundary_edges)) / 2,
-      .faces = static_cast<double>(faces),
-      .half_edges = static_cast<double>(corners),
-      .boundary = static_cast<double>(boundary_edges)};
+  const Counts n = MakeCounts(vertices, faces, corners, boundary_edges);
   // The control points, and the input's where they are moved to the origin.
   const double control = 2 * Points(n.vertices) + Plan(n, options.constraints) + Curve(n) +
                          Points(n.boundary) + Indices(n.boundary);
@@ -136,8 +155,7 @@ std::uint64_t EstimateBytes(std::uint64_t vertices, std::uint64_t faces, std::ui
     peak = std::max(peak, control + SurfacePeak(n, options));
   // Lists of blocks and of runs.
   peak += peak / 64 + 4096;
-  return peak >= kMost ? std::numeric_limits<std::uint64_t>::max()
-                       : static_cast<std::uint64_t>(peak);
+  return Saturated(peak);
 }
 
 }  // namespace limn

@@ -188,11 +188,12 @@ absl::StatusOr<DracoHeader> ReadDracoHeader(std::string_view bytes) {
   return header;
 }
 
-// Corner table, symbols and mesh: about 100 bytes per triangle; an attribute's connectivity
-// another 40; up to kMaxDracoAttributes attributes of 4 doubles and 4 integers per value.
+// Triangles, corners' values and polygons: about 70 bytes per triangle; with edgebreaker's tables
+// 100, and an attribute's connectivity another 40. A vertex's values and those made of them.
 std::uint64_t DracoDecodeBytes(const DracoHeader& header) {
-  return header.triangles * (100 + 40 * std::uint64_t{header.attribute_connectivities}) +
-         header.vertices * 100;
+  const std::uint64_t per_triangle =
+      header.edgebreaker ? 100 + 40 * std::uint64_t{header.attribute_connectivities} : 70;
+  return header.triangles * per_triangle + header.vertices * (kMaxDracoValueBytes + 32);
 }
 
 absl::Status CheckDracoHeader(const DracoHeader& header, const DracoBounds& bounds) {
