@@ -20,8 +20,8 @@
 
 namespace limn {
 
-// First Decode, then Run, then NextMessage until it has no more, with input whenever NeedsInput. Not
-// thread-safe, but each call may come from another thread.
+// First Decode, then Run, then NextMessage until it has no more, with input whenever NeedsInput.
+// Not thread-safe, but each call may come from another thread.
 class EvaluateJob {
  public:
   // spec: from EvaluateSpecFromProto.

@@ -4,12 +4,12 @@
 #include <random>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "engine/base/error.h"
 #include "engine/base/guard.h"
 #include "proto/wire/status.h"
 #include "server/deadline.h"
+#include "server/job_memory.h"
 
 namespace limn {
 namespace {
@@ -21,10 +21,6 @@ constexpr std::chrono::milliseconds kProgressInterval(100);
 constexpr std::chrono::milliseconds kClockSlack(10);
 
 using Milliseconds = std::chrono::duration<double, std::milli>;
-
-absl::Status Malformed(std::string_view message, std::string_view remedy) {
-  return MakeError(message, {.reason = Reason::kMalformedRequest, .remedy = std::string(remedy)});
-}
 
 std::string MakeRequestId() {
   thread_local std::mt19937_64 random{std::random_device{}()};
@@ -46,9 +42,9 @@ JobReactor<Rpc>::JobReactor(ServiceCore& core, grpc::CallbackServerContext* cont
     : core_(core),
       context_(context),
       deadline_(DeadlineOf(context->raw_deadline())),
-      last_activity_(Clock::now()),
+      watch_(core.limits, Clock::now()),
       request_id_(MakeRequestId()),
-      phase_start_(last_activity_) {}
+      phase_start_(Clock::now()) {}
 
 template <class Rpc>
 void JobReactor<Rpc>::Start() {
@@ -80,116 +76,12 @@ void JobReactor<Rpc>::OnReadDone(bool ok) {
     if (ok) ReadMore();
     return;
   }
-  last_activity_ = Clock::now();
+  watch_.Touch(Clock::now());
   const absl::Status status = Guarded("taking a message", Reason::kInternal,
                                       [&] { return ok ? TakeMessage() : EndOfRequests(); });
   if (!status.ok()) End(status);
   PumpEncoder();
   if (ok) ReadMore();
-}
-
-template <class Rpc>
-absl::Status JobReactor<Rpc>::TakeMessage() {
-  const v1::InterpolateRequest* const part = Rpc::UploadPart(request_);
-  switch (phase_) {
-    case Phase::kHeader:
-      if (part == nullptr || !part->has_header()) {
-        return Malformed("the stream does not begin with a header", "Send the header first");
-      }
-      return TakeHeader(part->header());
-    case Phase::kUpload:
-      if (part != nullptr && part->has_header()) {
-        return Malformed("there is a second header", "Use one stream per job");
-      }
-      if (part == nullptr || !part->has_chunk()) {
-        return Malformed("there is a message without a chunk among those of the mesh",
-                         "Send chunks after the header, to the last of the mesh");
-      }
-      return TakeChunk(part->chunk());
-    case Phase::kQueued:
-    case Phase::kRunning:
-    case Phase::kDelivering:
-      break;
-  }
-  return TakeInput();
-}
-
-template <class Rpc>
-absl::Status JobReactor<Rpc>::TakeInput() {
-  if constexpr (Rpc::kTakesInput) {
-    LIMN_RETURN_IF_ERROR(Rpc::Job::CheckInput(request_));
-    input_ = std::move(request_);
-    return absl::OkStatus();
-  } else {
-    return Malformed("there is a message after the last chunk of the mesh",
-                     "End the upload after the last chunk");
-  }
-}
-
-template <class Rpc>
-absl::Status JobReactor<Rpc>::TakeHeader(const v1::InterpolateHeader& header) {
-  LIMN_ASSIGN_OR_RETURN(spec_, Rpc::Spec(header));
-  if (spec_.request_id.empty()) spec_.request_id = request_id_;
-  request_id_ = spec_.request_id;
-  LIMN_ASSIGN_OR_RETURN(ticket_, core_.admission.Admit(spec_));
-  upload_.emplace(spec_.mesh.byte_count());
-  phase_ = Phase::kUpload;
-  phase_start_ = Clock::now();
-
-  auto message = std::make_unique<Response>();
-  v1::Accepted* accepted = message->mutable_accepted();
-  accepted->set_request_id(request_id_);
-  accepted->set_server_version(LIMN_VERSION);
-  accepted->set_estimated_bytes(ticket_.memory.bytes());
-  accepted->set_queue_position(static_cast<std::uint32_t>(ticket_.place.position()));
-  encoded_.push_back(std::move(message));
-  TryWrite();
-  return absl::OkStatus();
-}
-
-template <class Rpc>
-absl::Status JobReactor<Rpc>::TakeChunk(const v1::MeshChunk& chunk) {
-  LIMN_RETURN_IF_ERROR(upload_->Add(chunk));
-  if (upload_->complete()) Enqueue();
-  return absl::OkStatus();
-}
-
-template <class Rpc>
-absl::Status JobReactor<Rpc>::EndOfRequests() {
-  if (context_->IsCancelled()) return CancelledStatus();
-  switch (phase_) {
-    case Phase::kHeader:
-      return Malformed("the stream ended before the header", "Send a header and the mesh's chunks");
-    case Phase::kUpload:
-      return Malformed(absl::StrCat("the upload ended after ", upload_->bytes().size(), " of ",
-                                    spec_.mesh.byte_count(), " bytes of the mesh"),
-                       "Send all chunks and set `last` on the last one");
-    case Phase::kQueued:
-    case Phase::kRunning:
-    case Phase::kDelivering:
-      break;
-  }
-  input_ended_ = true;
-  return absl::OkStatus();
-}
-
-template <class Rpc>
-Context JobReactor<Rpc>::MakeContext() {
-  Context context(EngineLimits(core_.limits));
-  if (deadline_.has_value()) context.set_deadline(*deadline_);
-  stop_ = context;
-  context.set_progress([this](const ProgressEvent& event) { TakeProgress(event); });
-  return context;
-}
-
-template <class Rpc>
-void JobReactor<Rpc>::Enqueue() {
-  const Clock::time_point now = Clock::now();
-  job_ = std::make_unique<typename Rpc::Job>(spec_, MakeContext());
-  job_->AddStage("receive", Milliseconds(now - phase_start_).count());
-  phase_start_ = now;
-  phase_ = Phase::kQueued;
-  ticket_.place.Post([self = this->shared_from_this()] { self->RunJob(); });
 }
 
 template <class Rpc>
@@ -203,14 +95,13 @@ void JobReactor<Rpc>::RunJob() {
     phase_ = Phase::kRunning;
     job_->AddStage("queue", Milliseconds(Clock::now() - phase_start_).count());
   }
-  // Nobody else touches the job or the upload while it runs.
-  const absl::Status status = Guarded("running the job", Reason::kInternal,
-                                      [&] { return job_->Run(upload_->TakeBytes()); });
+  const absl::Status status =
+      Guarded("running the job", Reason::kInternal, [&] { return Compute(); });
 
   const Lock lock(mutex_);
   ticket_.place.Release();
   phase_ = Phase::kDelivering;
-  last_activity_ = Clock::now();
+  watch_.Touch(Clock::now());
   progress_.reset();
   if (end_.has_value()) return;
   if (status.ok()) {
@@ -218,6 +109,23 @@ void JobReactor<Rpc>::RunJob() {
   } else {
     End(status);
   }
+}
+
+// Nobody else touches the job, the upload or the ticket's memory while it runs. The memory set
+// aside grows with what is known: a Draco mesh need not have claimed its counts.
+template <class Rpc>
+absl::Status JobReactor<Rpc>::Compute() {
+  Admission::Reservation* const memory = &ticket_.memory;
+  std::string encoded = upload_->TakeBytes();
+  LIMN_ASSIGN_OR_RETURN(const std::uint64_t decoding, EstimateDecodeBytes(spec_, encoded));
+  LIMN_RETURN_IF_ERROR(core_.admission.Grow(decoding, memory));
+  LIMN_RETURN_IF_ERROR(job_->Decode(std::move(encoded)));
+  LIMN_RETURN_IF_ERROR(core_.admission.Grow(EstimateJobBytes(job_->spec()), memory));
+  {
+    const Lock lock(mutex_);
+    spec_.mesh = job_->spec().mesh;
+  }
+  return job_->Run();
 }
 
 template <class Rpc>
@@ -298,7 +206,7 @@ void JobReactor<Rpc>::TryWrite() {
   if (!end_.has_value() && all_encoded_ && encoded_.empty()) end_ = absl::OkStatus();
   if (end_.has_value()) {
     finished_ = true;
-    last_activity_ = Clock::now();
+    watch_.BeginWrite(Clock::now(), false);
     this->Finish(wire::ToGrpcStatus(*end_));
   } else if (!encoded_.empty()) {
     std::unique_ptr<Response> message = std::move(encoded_.front());
@@ -320,7 +228,7 @@ void JobReactor<Rpc>::WriteProgress() {
 
 template <class Rpc>
 void JobReactor<Rpc>::Write(std::unique_ptr<Response> message) {
-  last_activity_ = Clock::now();
+  watch_.BeginWrite(Clock::now(), phase_ == Phase::kDelivering);
   writing_ = std::move(message);
   this->StartWrite(writing_.get());
 }
@@ -328,8 +236,8 @@ void JobReactor<Rpc>::Write(std::unique_ptr<Response> message) {
 template <class Rpc>
 void JobReactor<Rpc>::OnWriteDone(bool ok) {
   const Lock lock(mutex_);
+  watch_.EndWrite(Clock::now(), writing_->ByteSizeLong());
   writing_.reset();
-  last_activity_ = Clock::now();
   if (!ok) End(CancelledStatus());
   TryWrite();
   PumpEncoder();
@@ -364,6 +272,7 @@ void JobReactor<Rpc>::End(const absl::Status& status) {
   encoded_.clear();
   progress_.reset();
   input_.reset();
+  ticket_.upload.Release();
   if (phase_ != Phase::kRunning) ticket_.place.Release();
   TryWrite();
   if (read_paused_) ReadMore();
@@ -372,16 +281,19 @@ void JobReactor<Rpc>::End(const absl::Status& status) {
 template <class Rpc>
 void JobReactor<Rpc>::CheckStall(Clock::time_point now) {
   const Lock lock(mutex_);
-  const auto limit = std::chrono::seconds(core_.limits.stall_seconds);
-  if (done_ || now - last_activity_ < limit) return;
-  if (writing_ != nullptr || finished_) {
-    // The reader stands still, so that an orderly end would not get through either.
-    context_->TryCancel();
-  } else if (phase_ == Phase::kHeader || phase_ == Phase::kUpload || WaitsForInput()) {
-    End(MakeError(absl::StrCat("no message came for ", core_.limits.stall_seconds,
-                               " seconds (limit stall-seconds)"),
-                  {.reason = Reason::kLimitExceeded, .field = "stall-seconds"}));
-  }
+  if (done_) return;
+  // Progress that came too soon after the last one, and was not followed by more.
+  TryWrite();
+  const bool upload = phase_ == Phase::kUpload && !end_.has_value();
+  const bool header = phase_ == Phase::kHeader && !end_.has_value();
+  const bool writing = writing_ != nullptr || finished_;
+  const absl::Status status = watch_.Check(now, {.for_reader = writing && !upload,
+                                                 .for_message = header || upload || WaitsForInput(),
+                                                 .for_upload = upload});
+  if (status.ok()) return;
+  End(status);
+  // An orderly end would not get through to a reader that takes nothing.
+  if (writing) context_->TryCancel();
 }
 
 template <class Rpc>
@@ -405,6 +317,7 @@ void JobReactor<Rpc>::LogEnd() {
   if (const std::optional<ErrorDetail> detail = GetErrorDetail(status)) {
     line.Add("reason", ReasonName(detail->reason));
     if (!detail->field.empty()) line.Add("field", detail->field);
+    if (!detail->limit.empty()) line.Add("limit", detail->limit);
     line.Add("message", std::string(status.message()));
   }
   line.Add("vertices", spec_.mesh.vertex_count()).Add("faces", spec_.mesh.face_count());

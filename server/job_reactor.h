@@ -17,6 +17,7 @@
 #include "absl/status/status.h"
 #include "engine/base/context.h"
 #include "proto/wire/chunks.h"
+#include "server/client_watch.h"
 #include "server/job_rpcs.h"
 #include "server/service_core.h"
 
@@ -59,19 +60,21 @@ class JobReactor final
 
   JobReactor(ServiceCore& core, grpc::CallbackServerContext* context);
   void Start();
-
-  // Upload. With the mutex held.
+  // With the mutex held.
   void ReadMore();
+
+  // Messages of the client; in job_reactor_upload.cc. With the mutex held.
   [[nodiscard]] absl::Status TakeMessage();
   [[nodiscard]] absl::Status TakeHeader(const v1::InterpolateHeader& header);
   [[nodiscard]] absl::Status TakeChunk(const v1::MeshChunk& chunk);
   [[nodiscard]] absl::Status TakeInput();
   [[nodiscard]] absl::Status EndOfRequests();
   [[nodiscard]] Context MakeContext();
-  void Enqueue();
+  [[nodiscard]] absl::Status Enqueue();
 
   // Tasks of the lane and of the delivery threads. Without the mutex.
   void RunJob();
+  [[nodiscard]] absl::Status Compute();
   void EncodeNext();
   void TakeProgress(const ProgressEvent& event);
 
@@ -92,7 +95,7 @@ class JobReactor final
   std::shared_ptr<JobReactor> self_;
   std::mutex mutex_;
   Phase phase_ = Phase::kHeader;
-  Clock::time_point last_activity_;
+  ClientWatch watch_;
 
   // Upload.
   Request request_;

@@ -130,7 +130,7 @@ TEST(EvaluateStallTest, ACallWithoutParametersIsEnded) {
     ASSERT_TRUE(blocks == 0 || call.Write(MakeBlock(10)));
     const absl::Status status = call.Finish();
     EXPECT_EQ(ReasonOf(status), Reason::kLimitExceeded) << status;
-    EXPECT_EQ(GetErrorDetail(status)->field, "stall-seconds");
+    EXPECT_EQ(GetErrorDetail(status)->limit, "stall-seconds");
   }
 }
 
