@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "absl/status/status.h"
@@ -16,6 +17,9 @@ namespace limn {
 
 // Coordinates of larger magnitude are refused: their squares and products overflow.
 inline constexpr double kMaxCoordinate = 1e100;
+
+// The remedy of what Repair (engine/mesh/repair.h) mends too. remedy: without a full stop.
+[[nodiscard]] std::string OrRepair(std::string_view remedy);
 
 // Axis-aligned box of points.
 struct BoundingBox {
@@ -39,6 +43,11 @@ struct BoundingBox {
 // vertex twice. Errors: EMPTY_MESH, LIMIT_EXCEEDED, MALFORMED_REQUEST (face_begin not increasing),
 // FACE_TOO_SMALL, INDEX_OUT_OF_RANGE, REPEATED_VERTEX. Cost: one pass.
 [[nodiscard]] absl::Status ValidateFaces(const Context& context, const PolygonMesh& mesh);
+
+// The part of ValidateFaces that no repair replaces: sizes, face_begin and index ranges; arities
+// are free. Errors: EMPTY_MESH, LIMIT_EXCEEDED, MALFORMED_REQUEST, INDEX_OUT_OF_RANGE. Cost: one
+// pass.
+[[nodiscard]] absl::Status ValidateIndices(const Context& context, const PolygonMesh& mesh);
 
 // A mesh whose half-edges could not be paired: says why. Called after a builder saw that
 // something is wrong, so speed does not matter. Errors: NON_MANIFOLD_EDGE,
