@@ -12,6 +12,7 @@
 #include "limn/v1/limn.grpc.pb.h"
 #include "proto/wire/chunks.h"
 #include "proto/wire/mesh_codec.h"
+#include "proto/wire/repair_mapping.h"
 #include "proto/wire/status.h"
 #include "proto/wire/tile_codec.h"
 
@@ -56,9 +57,11 @@ class ResultCollector {
       has_surface_ = true;
       return surface_.Add(message.tile());
     }
+    if (message.has_repair()) mapping_.Add(message.repair());
     if (message.has_summary()) {
       has_summary_ = true;
       result_.summary = message.summary();
+      mapping_.MoveTo(&result_.summary);
     }
     return absl::OkStatus();
   }
@@ -95,6 +98,7 @@ class ResultCollector {
   }
 
   JobResult result_;
+  wire::MappingCollector mapping_;
   v1::MeshHeader control_header_;
   std::optional<wire::ChunkAssembler> control_bytes_;
   wire::SurfaceAssembler surface_;
@@ -186,6 +190,7 @@ absl::StatusOr<ClientJob> Client::Submit(v1::InterpolateHeader header,
       header.output().quantization_bits() != 0) {
     encode.quantization_bits = static_cast<int>(header.output().quantization_bits());
   }
+  encode.any_arity = header.output().repair();
   auto impl = std::make_unique<ClientJob::Impl>();
   // Nothing is finished before it has begun.
   impl->finished = true;

@@ -44,9 +44,11 @@ absl::Status Job::Run(std::string encoded_mesh) {
   const Clock::time_point start = Clock::now();
   bytes_received_ = encoded_mesh.size();
   context_.Report({.stage = "decode"});
-  LIMN_ASSIGN_OR_RETURN(mesh_, wire::DecodeMesh(context_, spec_.mesh, encoded_mesh));
+  LIMN_ASSIGN_OR_RETURN(
+      mesh_, wire::DecodeMesh(context_, spec_.mesh, encoded_mesh, {.any_arity = spec_.repair}));
   std::string().swap(encoded_mesh);
   AddStage("decode", MillisecondsSince(start));
+  if (spec_.repair) LIMN_RETURN_IF_ERROR(RepairMesh());
 
   LIMN_ASSIGN_OR_RETURN(InterpolateResult result, Interpolate(context_, mesh_, spec_.engine));
   stages_.insert(stages_.end(), result.stages.begin(), result.stages.end());
@@ -59,12 +61,19 @@ absl::Status Job::Run(std::string encoded_mesh) {
     certificate_->AddRun(0, surface_.positions);
     surface_ = Tessellation{};
   }
-  if (spec_.send_control_mesh) {
-    part_ = Part::kControlHeader;
-  } else {
-    mesh_ = PolygonMesh{};
-    part_ = tiles_.empty() ? Part::kSummary : Part::kTiles;
+  if (!spec_.send_control_mesh) mesh_ = PolygonMesh{};
+  part_ = mapping_.has_value() ? Part::kRepair : PartAfterRepair();
+  return absl::OkStatus();
+}
+
+absl::Status Job::RepairMesh() {
+  const Clock::time_point start = Clock::now();
+  LIMN_ASSIGN_OR_RETURN(repaired_, Repair(context_, mesh_));
+  mesh_ = std::exchange(repaired_.mesh, PolygonMesh{});
+  if (repaired_.report != RepairReport()) {
+    mapping_.emplace(repaired_.original_vertex, repaired_.original_face, tile_options_.tile_bytes);
   }
+  AddStage("repair", MillisecondsSince(start));
   return absl::OkStatus();
 }
 
@@ -81,6 +90,9 @@ absl::StatusOr<bool> Job::NextMessage(v1::InterpolateResponse* message) {
 
 absl::Status Job::Fill(v1::InterpolateResponse* message) {
   switch (part_) {
+    case Part::kRepair:
+      NextMappingPiece(message->mutable_repair());
+      return absl::OkStatus();
     case Part::kControlHeader:
       return StartControlMesh(message->mutable_control_mesh());
     case Part::kControlChunks:
@@ -96,6 +108,20 @@ absl::Status Job::Fill(v1::InterpolateResponse* message) {
       break;
   }
   return absl::OkStatus();
+}
+
+Job::Part Job::PartAfterRepair() const {
+  if (spec_.send_control_mesh) return Part::kControlHeader;
+  return tiles_.empty() ? Part::kSummary : Part::kTiles;
+}
+
+void Job::NextMappingPiece(v1::RepairReport* piece) {
+  mapping_->Next(piece);
+  bytes_sent_ += piece->original_vertex().size() + piece->original_face().size();
+  if (mapping_->has_next()) return;
+  repaired_.original_vertex = {};
+  repaired_.original_face = {};
+  part_ = PartAfterRepair();
 }
 
 absl::Status Job::StartControlMesh(v1::ControlMeshPart* part) {
@@ -188,6 +214,8 @@ void Job::FillSummary(v1::Summary* summary) {
   certificate->set_bounding_box_diagonal(found.bounding_box_diagonal);
   certificate->set_max_error_vertex(found.max_error_vertex);
   certificate->set_after_encoding(spec_.send_surface);
+
+  if (spec_.repair) *summary->mutable_repair() = RepairToProto(repaired_.report);
 
   for (const StageTime& stage : stages_) {
     v1::StageTime* entry = summary->add_stages();

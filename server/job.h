@@ -14,8 +14,10 @@
 #include "engine/base/context.h"
 #include "engine/interpolate.h"
 #include "engine/limit/certificate.h"
+#include "engine/mesh/repair.h"
 #include "limn/v1/interpolate.pb.h"
 #include "proto/wire/chunks.h"
+#include "proto/wire/repair_mapping.h"
 #include "server/options_from_proto.h"
 
 namespace limn {
@@ -34,12 +36,12 @@ class Job {
   // A stage that went before Run, for the summary.
   void AddStage(std::string_view stage, double milliseconds);
 
-  // Decodes the mesh and computes. Runs in the caller's arena. Errors: those of wire::DecodeMesh
-  // and Interpolate.
+  // Decodes the mesh, repairs it if that was asked for, and computes. Runs in the caller's arena.
+  // Errors: those of wire::DecodeMesh, Repair and Interpolate.
   [[nodiscard]] absl::Status Run(std::string encoded_mesh);
 
-  // Fills the next message of the answer: control mesh, tiles, summary. False: there is none left.
-  // Errors: those of wire::EncodeMesh and wire::EncodeTile.
+  // Fills the next message of the answer: repair, control mesh, tiles, summary. False: there is
+  // none left. Errors: those of wire::EncodeMesh and wire::EncodeTile.
   [[nodiscard]] absl::StatusOr<bool> NextMessage(v1::InterpolateResponse* message);
 
   // The stages until now, in order.
@@ -48,9 +50,12 @@ class Job {
   std::uint64_t bytes_sent() const { return bytes_sent_; }
 
  private:
-  enum class Part { kControlHeader, kControlChunks, kTiles, kSummary, kNone };
+  enum class Part { kRepair, kControlHeader, kControlChunks, kTiles, kSummary, kNone };
 
+  [[nodiscard]] absl::Status RepairMesh();
   [[nodiscard]] absl::Status Fill(v1::InterpolateResponse* message);
+  Part PartAfterRepair() const;
+  void NextMappingPiece(v1::RepairReport* piece);
   [[nodiscard]] absl::Status StartControlMesh(v1::ControlMeshPart* part);
   void NextControlChunk(v1::ControlMeshPart* part);
   [[nodiscard]] absl::Status PlanTiles();
@@ -65,8 +70,11 @@ class Job {
   std::uint64_t bytes_received_ = 0;
   std::uint64_t bytes_sent_ = 0;
 
-  // The input; after Run with the control mesh's positions.
+  // The input, repaired if that was asked for; after Run with the control mesh's positions.
   PolygonMesh mesh_;
+  // What repair says beside the mesh, and the mapping that is still to be sent.
+  RepairedMesh repaired_;
+  std::optional<wire::MappingReader> mapping_;
   SolveReport solve_;
   Tessellation surface_;
   std::optional<CertificateBuilder> certificate_;

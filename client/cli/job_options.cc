@@ -93,6 +93,10 @@ void AddJobFlags(CLI::App& app, JobOptions* options) {
                  "Bits per coordinate of draco-quantized, 8 to 30 [16]")
       ->check(CLI::Range(8U, 30U))
       ->type_name("N");
+  app.add_flag("--repair", options->repair,
+               "Mend a mesh that would be refused, and say what was changed: degenerate, repeated "
+               "and turned faces, edges of more than two faces, vertices of several fans or of no "
+               "face");
 }
 
 v1::InterpolateHeader MakeJobHeader(const JobOptions& options, const WantedOutputs& wanted) {
@@ -113,6 +117,7 @@ v1::InterpolateHeader MakeJobHeader(const JobOptions& options, const WantedOutpu
   output.set_surface(wanted.surface);
   output.set_normals(wanted.surface);
   output.set_control_mesh(wanted.control_mesh);
+  output.set_repair(options.repair);
   return header;
 }
 

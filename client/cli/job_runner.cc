@@ -12,6 +12,7 @@
 #include "engine/base/error.h"
 #include "proto/wire/chunks.h"
 #include "proto/wire/mesh_codec.h"
+#include "proto/wire/repair_mapping.h"
 #include "proto/wire/tile_codec.h"
 
 namespace limn::cli {
@@ -28,7 +29,11 @@ class Answer {
   absl::Status Add(v1::InterpolateResponse message) {
     if (message.has_tile()) return surface_.Add(message.tile());
     if (message.has_control_mesh()) return AddControlMesh(message.control_mesh());
-    if (message.has_summary()) summary_ = std::move(*message.mutable_summary());
+    if (message.has_repair()) mapping_.Add(message.repair());
+    if (message.has_summary()) {
+      summary_ = std::move(*message.mutable_summary());
+      mapping_.MoveTo(&*summary_);
+    }
     return absl::OkStatus();
   }
 
@@ -71,6 +76,7 @@ class Answer {
     return control_->Add(part.chunk());
   }
 
+  wire::MappingCollector mapping_;
   v1::MeshHeader control_header_;
   std::optional<wire::ChunkAssembler> control_;
   wire::SurfaceAssembler surface_{kNoIndex, kNoIndex};
