@@ -13,6 +13,7 @@
 #include "limn/v1/limn.grpc.pb.h"
 #include "proto/wire/chunks.h"
 #include "proto/wire/mesh_codec.h"
+#include "proto/wire/repair_mapping.h"
 #include "proto/wire/status.h"
 #include "proto/wire/tile_codec.h"
 
@@ -124,6 +125,7 @@ absl::StatusOr<ClientJob> Client::Submit(v1::InterpolateHeader header,
       header.output().quantization_bits() != 0) {
     encode.quantization_bits = static_cast<int>(header.output().quantization_bits());
   }
+  encode.any_arity = header.output().repair();
   auto impl = std::make_unique<ClientJob::Impl>();
   // Nothing is finished before it has begun.
   impl->finished = true;

@@ -112,6 +112,10 @@ void AddJobFlags(CLI::App& app, JobOptions* options) {
                               kMostBits, " [16]"))
       ->check(CLI::Range(kLeastBits, kMostBits))
       ->type_name("N");
+  app.add_flag("--repair", options->repair,
+               "Mend a mesh that would be refused, and say what was changed: degenerate, repeated "
+               "and turned faces, edges of more than two faces, vertices of several fans or of no "
+               "face");
 }
 
 v1::InterpolateHeader MakeJobHeader(const JobOptions& options, const WantedOutputs& wanted) {
@@ -133,6 +137,7 @@ v1::InterpolateHeader MakeJobHeader(const JobOptions& options, const WantedOutpu
   output.set_surface(wanted.surface);
   output.set_normals(wanted.surface);
   output.set_control_mesh(wanted.control_mesh);
+  output.set_repair(options.repair);
   return header;
 }
 

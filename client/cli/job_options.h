@@ -22,6 +22,7 @@ struct JobOptions {
   std::optional<double> tolerance;
   std::optional<std::uint32_t> max_sweeps;
   std::optional<std::uint32_t> quantization_bits;
+  bool repair = false;
 };
 
 // Adds the flags. Values out of range end the parse with a CLI::ValidationError.

@@ -154,7 +154,6 @@ std::vector<FieldCase> UnbuiltCases() {
       {"Boundary",
        [](Header& h) { h.mutable_surface()->set_boundary(v1::SurfaceOptions::BOUNDARY_NONE); },
        kNot, "surface.boundary"},
-      {"Repair", [](Header& h) { h.mutable_output()->set_repair(true); }, kNot, "output.repair"},
   };
 }
 
@@ -259,6 +258,14 @@ TEST(JobSpecTest, ErrorsOfTheHeaderReachTheClientWithTheirField) {
   const v1::ErrorDetails info = ErrorInfoOf(call.rich_status());
   EXPECT_EQ(info.reason(), "UNIMPLEMENTED");
   EXPECT_EQ(info.metadata().at("field"), "constraints.creases");
+}
+
+TEST(JobSpecTest, RepairIsOffUnlessAskedFor) {
+  Header header;
+  header.mutable_mesh()->set_vertex_count(8);
+  EXPECT_FALSE(JobSpecFromProto(header)->repair);
+  header.mutable_output()->set_repair(true);
+  EXPECT_TRUE(JobSpecFromProto(header)->repair);
 }
 
 }  // namespace
