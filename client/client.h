@@ -116,7 +116,7 @@ class Client {
 };
 
 // Takes all of a call's answer and finishes it. on_progress: as in Client::Run. Errors: the
-// call's; MALFORMED_REQUEST when the answer makes no sense.
+// call's; INTERNAL when the answer makes no sense.
 [[nodiscard]] absl::StatusOr<EvaluateResult> CollectEvaluation(
     ClientEvaluation* call, const Client::ProgressCallback& on_progress);
 

@@ -31,8 +31,9 @@ absl::Status TooLarge(absl::string_view field, absl::string_view message, absl::
                       absl::string_view remedy) {
   return MakeError(absl::StrCat(field, ": ", message, " (limit ", limit, ")"),
                    {.reason = Reason::kLimitExceeded,
-                    .field = std::string(limit),
-                    .remedy = std::string(remedy)});
+                    .field = std::string(field),
+                    .remedy = std::string(remedy),
+                    .limit = std::string(limit)});
 }
 
 }  // namespace
@@ -97,6 +98,13 @@ absl::StatusOr<Admission::Ticket> Admission::Admit(const JobSpec& spec) {
                                  limits_.max_job_bytes),
                     "max-job-bytes", "Ask for a lower level or use a smaller mesh");
   }
+  if (bytes > limits_.max_total_bytes) {
+    // No other job has to end for this: trying again would not help.
+    return TooLarge("surface.level",
+                    absl::StrCat("the job may need ", bytes, " bytes of memory, more than ",
+                                 limits_.max_total_bytes),
+                    "max-total-bytes", "Ask for a lower level or use a smaller mesh");
+  }
   Ticket ticket;
   LIMN_ASSIGN_OR_RETURN(ticket.place, lane_.Reserve());
   LIMN_ASSIGN_OR_RETURN(ticket.memory, Reserve(bytes));
@@ -105,13 +113,14 @@ absl::StatusOr<Admission::Ticket> Admission::Admit(const JobSpec& spec) {
 
 absl::StatusOr<Admission::Reservation> Admission::Reserve(std::uint64_t bytes) {
   const std::lock_guard lock(mutex_);
-  if (bytes > limits_.max_total_bytes || reserved_ > limits_.max_total_bytes - bytes) {
+  if (reserved_ > limits_.max_total_bytes - bytes) {
     return MakeError(absl::StrCat("the server is busy: its jobs need ", reserved_,
                                   " bytes of memory, this one ", bytes, ", together more than ",
                                   limits_.max_total_bytes, " (limit max-total-bytes)"),
                      {.reason = Reason::kLimitExceeded,
                       .field = std::string(wire::kQueueField),
-                      .remedy = "Try again a little later"});
+                      .remedy = "Try again a little later",
+                      .limit = "max-total-bytes"});
   }
   reserved_ += bytes;
   return Reservation(this, bytes);

@@ -56,6 +56,7 @@ class Admission {
   std::uint64_t reserved_bytes() const;
 
  private:
+  // bytes: max_total_bytes at the most.
   [[nodiscard]] absl::StatusOr<Reservation> Reserve(std::uint64_t bytes);
 
   const ServerLimits& limits_;

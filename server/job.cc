@@ -75,6 +75,9 @@ absl::Status Job::Run(std::string encoded_mesh) {
   std::string().swap(encoded_mesh);
   input_faces_ = mesh_.face_count();
   AddStage("decode", MillisecondsSince(start));
+  if (spec_.send_surface && spec_.engine.level == 0) {
+    LIMN_RETURN_IF_ERROR(wire::FitLargestFace(mesh_, spec_.engine.normals, &tile_options_));
+  }
 
   LIMN_ASSIGN_OR_RETURN(InterpolateResult result, Interpolate(context_, mesh_, spec_.engine));
   stages_.insert(stages_.end(), result.stages.begin(), result.stages.end());
@@ -93,12 +96,9 @@ absl::Status Job::Run(std::string encoded_mesh) {
     certificate_->AddRun(0, surface_.positions);
     surface_ = Tessellation{};
   }
-  if (spec_.send_control_mesh) {
-    part_ = Part::kControlHeader;
-  } else {
-    mesh_ = PolygonMesh{};
-    part_ = tiles_.empty() ? Part::kSummary : Part::kTiles;
-  }
+  part_ = tiles_.empty() ? Part::kSummary : Part::kTiles;
+  if (spec_.send_control_mesh) LIMN_RETURN_IF_ERROR(EncodeControlMesh());
+  mesh_ = PolygonMesh{};
   return absl::OkStatus();
 }
 
@@ -116,7 +116,9 @@ absl::StatusOr<bool> Job::NextMessage(v1::InterpolateResponse* message) {
 absl::Status Job::Fill(v1::InterpolateResponse* message) {
   switch (part_) {
     case Part::kControlHeader:
-      return StartControlMesh(message->mutable_control_mesh());
+      *message->mutable_control_mesh()->mutable_header() = std::move(control_header_);
+      part_ = Part::kControlChunks;
+      return absl::OkStatus();
     case Part::kControlChunks:
       NextControlChunk(message->mutable_control_mesh());
       return absl::OkStatus();
@@ -132,14 +134,16 @@ absl::Status Job::Fill(v1::InterpolateResponse* message) {
   return absl::OkStatus();
 }
 
-absl::Status Job::StartControlMesh(v1::ControlMeshPart* part) {
+absl::Status Job::EncodeControlMesh() {
+  const Clock::time_point start = Clock::now();
+  context_.Report({.stage = "encode"});
   LIMN_ASSIGN_OR_RETURN(wire::EncodedMesh encoded,
                         wire::EncodeMesh(context_, mesh_, spec_.control_mesh));
-  mesh_ = PolygonMesh{};
-  *part->mutable_header() = std::move(encoded.header);
+  control_header_ = std::move(encoded.header);
   control_bytes_ = std::move(encoded.bytes);
   control_chunks_.emplace(control_bytes_, tile_options_.tile_bytes);
-  part_ = Part::kControlChunks;
+  part_ = Part::kControlHeader;
+  encode_milliseconds_ += MillisecondsSince(start);
   return absl::OkStatus();
 }
 

@@ -21,9 +21,10 @@
 
 namespace limn {
 
-// First Run, then NextMessage until it has no more: the answer is encoded piece by piece as it is
-// asked for, so that a slow reader costs no memory beside the result. Not thread-safe, but each
-// call may come from another thread.
+// First Run, then NextMessage until it has no more: the answer is made piece by piece as it is
+// asked for, so that a slow reader costs no memory beside the result; only what has to be encoded
+// as a whole, the control mesh, is encoded by Run. Not thread-safe, but each call may come from
+// another thread.
 class Job {
  public:
   // context: carries cancel, deadline, progress and limits through every phase.
@@ -35,12 +36,12 @@ class Job {
   // A stage that went before Run, for the summary.
   void AddStage(std::string_view stage, double milliseconds);
 
-  // Decodes the mesh and computes. Runs in the caller's arena. Errors: those of wire::DecodeMesh
-  // and Interpolate.
+  // Decodes the mesh, computes, and encodes the control mesh: all that may take long. Runs in the
+  // caller's arena. Errors: those of wire::DecodeMesh, Interpolate and wire::EncodeMesh.
   [[nodiscard]] absl::Status Run(std::string encoded_mesh);
 
   // Fills the next message of the answer: control mesh, tiles, summary. False: there is none left.
-  // Errors: those of wire::EncodeMesh and wire::EncodeTile.
+  // Cost: linear in a tile. Errors: those of wire::EncodeTile.
   [[nodiscard]] absl::StatusOr<bool> NextMessage(v1::InterpolateResponse* message);
 
   // After Run, the surface itself, if the spec keeps patches. Once.
@@ -55,7 +56,7 @@ class Job {
   enum class Part { kControlHeader, kControlChunks, kTiles, kSummary, kNone };
 
   [[nodiscard]] absl::Status Fill(v1::InterpolateResponse* message);
-  [[nodiscard]] absl::Status StartControlMesh(v1::ControlMeshPart* part);
+  [[nodiscard]] absl::Status EncodeControlMesh();
   void NextControlChunk(v1::ControlMeshPart* part);
   [[nodiscard]] absl::Status PlanTiles();
   [[nodiscard]] absl::Status NextTile(v1::SurfaceTile* tile);
@@ -79,6 +80,7 @@ class Job {
   std::optional<CertificateBuilder> certificate_;
 
   Part part_ = Part::kNone;
+  v1::MeshHeader control_header_;
   std::string control_bytes_;
   std::optional<wire::ChunkReader> control_chunks_;
   wire::TileOptions tile_options_;

@@ -7,8 +7,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "engine/base/error.h"
+#include "engine/base/guard.h"
 #include "proto/wire/status.h"
-#include "server/guard.h"
+#include "server/deadline.h"
 
 namespace limn {
 namespace {
@@ -16,6 +17,8 @@ namespace {
 // Encoded messages that wait while one is written.
 constexpr std::size_t kMostEncoded = 2;
 constexpr std::chrono::milliseconds kProgressInterval(100);
+// gRPC's clock, which ends calls at their deadline, and ours are not the same.
+constexpr std::chrono::milliseconds kClockSlack(10);
 
 using Milliseconds = std::chrono::duration<double, std::milli>;
 
@@ -42,6 +45,7 @@ template <class Rpc>
 JobReactor<Rpc>::JobReactor(ServiceCore& core, grpc::CallbackServerContext* context)
     : core_(core),
       context_(context),
+      deadline_(DeadlineOf(context->raw_deadline())),
       last_activity_(Clock::now()),
       request_id_(MakeRequestId()),
       phase_start_(last_activity_) {}
@@ -77,7 +81,8 @@ void JobReactor<Rpc>::OnReadDone(bool ok) {
     return;
   }
   last_activity_ = Clock::now();
-  const absl::Status status = Guarded([&] { return ok ? TakeMessage() : EndOfRequests(); });
+  const absl::Status status = Guarded("taking a message", Reason::kInternal,
+                                      [&] { return ok ? TakeMessage() : EndOfRequests(); });
   if (!status.ok()) End(status);
   PumpEncoder();
   if (ok) ReadMore();
@@ -171,11 +176,7 @@ absl::Status JobReactor<Rpc>::EndOfRequests() {
 template <class Rpc>
 Context JobReactor<Rpc>::MakeContext() {
   Context context(EngineLimits(core_.limits));
-  const auto deadline = context_->deadline();
-  if (deadline != std::chrono::system_clock::time_point::max()) {
-    context.set_deadline(Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                            deadline - std::chrono::system_clock::now()));
-  }
+  if (deadline_.has_value()) context.set_deadline(*deadline_);
   stop_ = context;
   context.set_progress([this](const ProgressEvent& event) { TakeProgress(event); });
   return context;
@@ -203,7 +204,8 @@ void JobReactor<Rpc>::RunJob() {
     job_->AddStage("queue", Milliseconds(Clock::now() - phase_start_).count());
   }
   // Nobody else touches the job or the upload while it runs.
-  const absl::Status status = Guarded([&] { return job_->Run(upload_->TakeBytes()); });
+  const absl::Status status = Guarded("running the job", Reason::kInternal,
+                                      [&] { return job_->Run(upload_->TakeBytes()); });
 
   const Lock lock(mutex_);
   ticket_.place.Release();
@@ -271,7 +273,8 @@ void JobReactor<Rpc>::EncodeNext() {
   // The job is this task's alone while `encoding_` is set.
   auto message = std::make_unique<Response>();
   const absl::StatusOr<bool> more =
-      Guarded([&]() -> absl::StatusOr<bool> { return job_->NextMessage(message.get()); });
+      Guarded("encoding the answer", Reason::kInternal,
+              [&]() -> absl::StatusOr<bool> { return job_->NextMessage(message.get()); });
 
   const Lock lock(mutex_);
   encoding_ = false;
@@ -346,7 +349,7 @@ void JobReactor<Rpc>::Stop(const absl::Status& status) {
 
 template <class Rpc>
 absl::Status JobReactor<Rpc>::CancelledStatus() const {
-  if (std::chrono::system_clock::now() >= context_->deadline()) {
+  if (deadline_.has_value() && Clock::now() + kClockSlack >= *deadline_) {
     return MakeError("the job's deadline has passed", {.reason = Reason::kDeadlineExceeded});
   }
   return MakeError("the client cancelled or is gone", {.reason = Reason::kCancelled});
@@ -375,9 +378,10 @@ void JobReactor<Rpc>::CheckStall(Clock::time_point now) {
     // The reader stands still, so that an orderly end would not get through either.
     context_->TryCancel();
   } else if (phase_ == Phase::kHeader || phase_ == Phase::kUpload || WaitsForInput()) {
-    End(MakeError(absl::StrCat("no message came for ", core_.limits.stall_seconds,
-                               " seconds (limit stall-seconds)"),
-                  {.reason = Reason::kLimitExceeded, .field = "stall-seconds"}));
+    End(MakeError(
+        absl::StrCat("no message came for ", core_.limits.stall_seconds,
+                     " seconds (limit stall-seconds)"),
+        {.reason = Reason::kLimitExceeded, .field = "stall-seconds", .limit = "stall-seconds"}));
   }
 }
 

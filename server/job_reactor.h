@@ -88,6 +88,7 @@ class JobReactor final
 
   ServiceCore& core_;
   grpc::CallbackServerContext* const context_;
+  const std::optional<Clock::time_point> deadline_;
   std::shared_ptr<JobReactor> self_;
   std::mutex mutex_;
   Phase phase_ = Phase::kHeader;

@@ -45,7 +45,8 @@ absl::StatusOr<Lane::Place> Lane::Reserve() {
                      " jobs, of which ", options_.queue_length, " wait (limit queue-length)"),
         {.reason = Reason::kLimitExceeded,
          .field = std::string(wire::kQueueField),
-         .remedy = "Try again a little later"});
+         .remedy = "Try again a little later",
+         .limit = "queue-length"});
   }
   ++taken_;
   return Place(this, taken_ > options_.workers ? taken_ - options_.workers : 0);

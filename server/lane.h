@@ -3,6 +3,7 @@
 // places for jobs. (A shared arena lets large jobs starve small ones, whatever their priorities.)
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -56,13 +57,16 @@ class Lane {
 
   explicit Lane(const LaneOptions& options);
 
-  // A place, or LIMIT_EXCEEDED naming "queue-length" when workers + queue_length are taken.
+  // A place, or LIMIT_EXCEEDED with limit "queue-length" when workers + queue_length are taken.
   [[nodiscard]] absl::StatusOr<Place> Reserve();
 
   // Places taken now.
   std::uint64_t places_taken() const;
 
-  // Runs what was posted, then ends the threads.
+  // As those of WorkerThreads.
+  [[nodiscard]] bool StopUntil(std::chrono::steady_clock::time_point until) {
+    return threads_.StopUntil(until);
+  }
   void Stop() { threads_.Stop(); }
 
  private:

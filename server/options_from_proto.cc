@@ -13,10 +13,6 @@ namespace limn {
 namespace {
 
 constexpr std::size_t kMaxRequestIdBytes = 128;
-constexpr std::uint32_t kMostLevels = 10;
-constexpr std::uint32_t kMostSweeps = 10'000;
-constexpr std::uint32_t kLeastTileBytes = 4U << 10;
-constexpr std::uint32_t kMostTileBytes = 1U << 20;
 
 absl::Status Invalid(absl::string_view field, absl::string_view message, absl::string_view remedy) {
   return MakeError(absl::StrCat(field, ": ", message), {.reason = Reason::kInvalidOption,
@@ -103,21 +99,9 @@ absl::StatusOr<FirstRule> RuleFromProto(v1::SolveOptions::Rule rule) {
 absl::StatusOr<SolveOptions> SolveFromProto(const v1::SolveOptions& solve) {
   SolveOptions options;
   LIMN_ASSIGN_OR_RETURN(options.method, MethodFromProto(solve.method()));
-  if (solve.has_tolerance()) {
-    // Written so that NaN is refused.
-    if (!(solve.tolerance() >= 0 && solve.tolerance() < 1)) {
-      return Invalid("solve.tolerance", absl::StrCat(solve.tolerance(), " is not in [0, 1)"),
-                     "It is a part of the bounding box's diagonal, such as 1e-12");
-    }
-    options.tolerance = solve.tolerance();
-  }
-  if (solve.has_max_sweeps()) {
-    if (solve.max_sweeps() > kMostSweeps) {
-      return Invalid("solve.max_sweeps", absl::StrCat(solve.max_sweeps(), " is too many"),
-                     absl::StrCat("Use at most ", kMostSweeps));
-    }
-    options.max_sweeps = solve.max_sweeps();
-  }
+  if (solve.has_tolerance()) options.tolerance = solve.tolerance();
+  if (solve.has_max_sweeps()) options.max_sweeps = solve.max_sweeps();
+  LIMN_RETURN_IF_ERROR(ValidateSolveOptions(options));
   return options;
 }
 
@@ -132,9 +116,9 @@ absl::Status ReadSurface(const v1::SurfaceOptions& surface, InterpolateOptions* 
     options->chord_tolerance = surface.chord_tolerance();
   }
   if (surface.fineness_case() == v1::SurfaceOptions::kLevel) {
-    if (surface.level() > kMostLevels) {
+    if (surface.level() > kMaxLevel) {
       return Invalid("surface.level", absl::StrCat(surface.level(), " is too many refinements"),
-                     absl::StrCat("Use at most ", kMostLevels));
+                     absl::StrCat("Use at most ", kMaxLevel));
     }
     options->level = surface.level();
   }
@@ -149,16 +133,20 @@ absl::Status ReadSurface(const v1::SurfaceOptions& surface, InterpolateOptions* 
 
 absl::Status CheckOutput(const v1::OutputOptions& output) {
   LIMN_RETURN_IF_ERROR(CheckEncoding("output.encoding", output.encoding()));
+  constexpr std::uint32_t kLeastBits = wire::kMinQuantizationBits;
+  constexpr std::uint32_t kMostBits = wire::kMaxQuantizationBits;
   const std::uint32_t bits = output.quantization_bits();
-  if (bits != 0 && (bits < 8 || bits > 30)) {
-    return Invalid("output.quantization_bits", absl::StrCat(bits, " is not in [8, 30]"),
+  if (bits != 0 && (bits < kLeastBits || bits > kMostBits)) {
+    return Invalid("output.quantization_bits",
+                   absl::StrCat(bits, " is not in [", kLeastBits, ", ", kMostBits, "]"),
                    "Leave it 0 for the default");
   }
   const std::uint32_t bytes = output.tile_bytes();
-  if (bytes != 0 && (bytes < kLeastTileBytes || bytes > kMostTileBytes)) {
-    return Invalid("output.tile_bytes",
-                   absl::StrCat(bytes, " is not in [", kLeastTileBytes, ", ", kMostTileBytes, "]"),
-                   "Leave it 0 for the default");
+  if (bytes != 0 && (bytes < wire::kMinTileBytes || bytes > wire::kMaxTileBytes)) {
+    return Invalid(
+        "output.tile_bytes",
+        absl::StrCat(bytes, " is not in [", wire::kMinTileBytes, ", ", wire::kMaxTileBytes, "]"),
+        "Leave it 0 for the default");
   }
   const bool draco = output.encoding() == v1::MESH_ENCODING_DRACO ||
                      output.encoding() == v1::MESH_ENCODING_DRACO_QUANTIZED;

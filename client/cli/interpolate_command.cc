@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // `limn interpolate`: a mesh file in, its limit surface and control mesh out.
+#include <cerrno>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -17,6 +18,7 @@
 #include "client/cli/outputs.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/report.h"
+#include "client/cli/staged_files.h"
 #include "client/io/mesh_reader.h"
 #include "engine/base/error.h"
 
@@ -87,11 +89,20 @@ ExitStatus Run(const InterpolateFlags& flags) {
   }
 
   bar.Show("write", 0);
-  status = WriteOutputs(flags.outputs, *result);
+  StagedFiles files([&canceller] { return canceller.cancelled(); });
+  status = WriteOutputs(flags.outputs, *result, &files);
   bar.Clear();
+  if (canceller.cancelled()) return Interrupted();
   if (!status.ok()) return FailWithFile(status);
-  if (!flags.quiet) std::fputs(SummaryTable(result->summary).c_str(), stdout);
-  return ExitStatus::kOk;
+  // Before the files appear: after a failure there must be none.
+  if (!flags.quiet) {
+    std::fputs(SummaryTable(result->summary).c_str(), stdout);
+    if (std::fflush(stdout) != 0) {
+      return FailWithFile(absl::ErrnoToStatus(errno, "cannot write to standard output"));
+    }
+  }
+  status = files.Commit();
+  return status.ok() ? ExitStatus::kOk : FailWithFile(status);
 }
 
 }  // namespace
@@ -100,7 +111,8 @@ void AddInterpolateCommand(CLI::App& app, ExitStatus* status) {
   CLI::App* command = app.add_subcommand(
       "interpolate", "Find the smooth surface that passes through the vertices of a mesh");
   const auto flags = std::make_shared<InterpolateFlags>();
-  command->add_option("IN", flags->input, "Closed mesh: .obj, .off, .ply or .stl")->required();
+  command->add_option("IN", flags->input, "Mesh, open or closed: .obj, .off, .ply or .stl")
+      ->required();
   command
       ->add_option("-o,--output", flags->outputs.surfaces,
                    "The tessellated surface: .obj, .off, .ply, .stl or .glb; may be given again "

@@ -11,7 +11,11 @@
 #include <CLI/Error.hpp>
 #include <CLI/Validators.hpp>
 
+#include "absl/strings/str_cat.h"
+#include "engine/base/context.h"
+#include "engine/solve/solve.h"
 #include "limn/v1/mesh.pb.h"
+#include "proto/wire/quantization_grid.h"
 
 namespace limn::cli {
 namespace {
@@ -76,8 +80,9 @@ void AddJobFlags(CLI::App& app, JobOptions* options) {
   app.add_option("--scheme", options->scheme, "Subdivision scheme (built: doo-sabin)")
       ->check(OneOf(kSchemes))
       ->capture_default_str();
-  app.add_option("--level", options->level, "Refinements of the tessellation, 0 to 10")
-      ->check(CLI::Range(0U, 10U))
+  app.add_option("--level", options->level,
+                 absl::StrCat("Refinements of the tessellation, 0 to ", kMaxLevel))
+      ->check(CLI::Range(0U, kMaxLevel))
       ->capture_default_str()
       ->type_name("K");
   app.add_option("--solver", options->solver, "Iteration that finds the control mesh")
@@ -92,16 +97,20 @@ void AddJobFlags(CLI::App& app, JobOptions* options) {
                  "box's diagonal; 0 runs --max-sweeps [1e-12]")
       ->check(CLI::Validator(CheckTolerance, "", "tolerance"))
       ->type_name("EPS");
-  app.add_option("--max-sweeps", options->max_sweeps, "Sweeps at the most, 0 to 10000 [100]")
-      ->check(CLI::Range(0U, 10000U))
+  app.add_option("--max-sweeps", options->max_sweeps,
+                 absl::StrCat("Sweeps at the most, 0 to ", kMaxSweeps, " [100]"))
+      ->check(CLI::Range(0U, kMaxSweeps))
       ->type_name("N");
   app.add_option("--encoding", options->encoding,
                  "How meshes travel; draco-quantized is lossy: it moves points and reorders faces")
       ->check(OneOf(kEncodings))
       ->capture_default_str();
+  constexpr std::uint32_t kLeastBits = wire::kMinQuantizationBits;
+  constexpr std::uint32_t kMostBits = wire::kMaxQuantizationBits;
   app.add_option("--quantization-bits", options->quantization_bits,
-                 "Bits per coordinate of draco-quantized, 8 to 30 [16]")
-      ->check(CLI::Range(8U, 30U))
+                 absl::StrCat("Bits per coordinate of draco-quantized, ", kLeastBits, " to ",
+                              kMostBits, " [16]"))
+      ->check(CLI::Range(kLeastBits, kMostBits))
       ->type_name("N");
 }
 

@@ -34,7 +34,7 @@ struct JobInput {
 };
 
 // Submits, shows progress, puts the answer together. Errors: those of Client::Submit and of the
-// server; CANCELLED after canceller->Cancel(); MALFORMED_REQUEST when the answer makes no sense.
+// server; CANCELLED after canceller->Cancel(); those of ResultCollector.
 [[nodiscard]] absl::StatusOr<JobResult> RunJob(const Client& client, JobInput input,
                                                ProgressBar* bar, JobCanceller* canceller);
 

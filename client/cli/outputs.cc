@@ -3,14 +3,10 @@
 #include "client/cli/outputs.h"
 
 #include <filesystem>
-#include <functional>
-#include <memory>
 #include <system_error>
 #include <utility>
 
-#include "absl/strings/str_replace.h"
 #include "client/cli/report.h"
-#include "client/cli/staged_files.h"
 #include "client/io/mesh_writer.h"
 #include "client/io/output_file.h"
 #include "engine/base/error.h"
@@ -51,22 +47,6 @@ absl::Status CheckDistinct(const OutputPaths& paths, const std::vector<std::stri
   return absl::OkStatus();
 }
 
-absl::Status WriteText(const std::string& path, const std::string& text) {
-  LIMN_ASSIGN_OR_RETURN(const std::unique_ptr<io::OutputFile> file, io::OutputFile::Create(path));
-  file->Append(text);
-  return file->Commit();
-}
-
-using WriteFunction = std::function<absl::Status(const std::string& path)>;
-
-// Writes to the staged name of `path`, but speaks of `path` when that fails.
-absl::Status WriteStaged(StagedFiles* files, const std::string& path, const WriteFunction& write) {
-  const std::string temporary = files->Stage(path);
-  absl::Status status = write(temporary);
-  if (status.ok()) return status;
-  return {status.code(), absl::StrReplaceAll(status.message(), {{temporary, path}})};
-}
-
 }  // namespace
 
 absl::Status CheckOutputs(const OutputPaths& paths, const std::vector<std::string>& inputs) {
@@ -81,25 +61,21 @@ absl::Status CheckOutputs(const OutputPaths& paths, const std::vector<std::strin
   return absl::OkStatus();
 }
 
-absl::Status WriteOutputs(const OutputPaths& paths, const JobResult& result) {
-  StagedFiles files;
+absl::Status WriteOutputs(const OutputPaths& paths, const JobResult& result, StagedFiles* files) {
   for (const std::string& path : paths.surfaces) {
-    LIMN_RETURN_IF_ERROR(WriteStaged(&files, path, [&](const std::string& temporary) {
-      return WriteSurfaceFile(temporary, result.surface);
-    }));
+    LIMN_ASSIGN_OR_RETURN(io::OutputFile* const file, files->Create(path));
+    LIMN_RETURN_IF_ERROR(WriteSurfaceTo(path, result.surface, file));
   }
   if (!paths.control_mesh.empty()) {
-    LIMN_RETURN_IF_ERROR(WriteStaged(&files, paths.control_mesh, [&](const std::string& temporary) {
-      return WriteMeshFile(temporary, result.control_mesh);
-    }));
+    LIMN_ASSIGN_OR_RETURN(io::OutputFile* const file, files->Create(paths.control_mesh));
+    LIMN_RETURN_IF_ERROR(WriteMeshTo(paths.control_mesh, result.control_mesh, file));
   }
   if (!paths.report.empty()) {
     LIMN_ASSIGN_OR_RETURN(const std::string json, SummaryJson(result.summary));
-    LIMN_RETURN_IF_ERROR(WriteStaged(&files, paths.report, [&](const std::string& temporary) {
-      return WriteText(temporary, json);
-    }));
+    LIMN_ASSIGN_OR_RETURN(io::OutputFile* const file, files->Create(paths.report));
+    file->Append(json);
   }
-  return files.Commit();
+  return absl::OkStatus();
 }
 
 }  // namespace limn::cli

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "client/cli/staged_files.h"
 #include "client/client.h"
 
 namespace limn::cli {
@@ -24,7 +25,8 @@ struct OutputPaths {
 [[nodiscard]] absl::Status CheckOutputs(const OutputPaths& paths,
                                         const std::vector<std::string>& inputs);
 
-// Writes all of them or none. Errors: those of the writers.
-[[nodiscard]] absl::Status WriteOutputs(const OutputPaths& paths, const JobResult& result);
+// Writes all of them, for files->Commit to put in their places. Errors: those of the writers.
+[[nodiscard]] absl::Status WriteOutputs(const OutputPaths& paths, const JobResult& result,
+                                        StagedFiles* files);
 
 }  // namespace limn::cli

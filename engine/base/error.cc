@@ -13,7 +13,8 @@
 namespace limn {
 namespace {
 
-// Payload: reason, field, index and remedy, one a line. A field and a remedy hold no line breaks.
+// Payload: reason, field, index, limit and remedy, one a line. Only the remedy may have line
+// breaks.
 constexpr char kPayloadUrl[] = "limn/error_detail";
 
 struct ReasonEntry {
@@ -100,7 +101,7 @@ absl::Status MakeError(std::string_view message, const ErrorDetail& detail) {
       kPayloadUrl,
       absl::Cord(absl::StrCat(std::string(ReasonName(detail.reason)), "\n", detail.field, "\n",
                               detail.index.has_value() ? absl::StrCat(*detail.index) : "", "\n",
-                              detail.remedy)));
+                              detail.limit, "\n", detail.remedy)));
   return status;
 }
 
@@ -111,14 +112,15 @@ std::optional<ErrorDetail> GetErrorDetail(const absl::Status& status) {
   const auto payload = status.GetPayload(kPayloadUrl);
   if (!payload.has_value()) return detail;
   const std::string text(*payload);
-  const std::vector<std::string> lines = absl::StrSplit(text, absl::MaxSplits('\n', 3));
-  if (lines.size() != 4) return detail;
+  const std::vector<std::string> lines = absl::StrSplit(text, absl::MaxSplits('\n', 4));
+  if (lines.size() != 5) return detail;
   for (const ReasonEntry& entry : kReasons) {
     if (entry.name == lines[0]) detail.reason = entry.reason;
   }
   detail.field = lines[1];
   if (std::uint64_t index = 0; absl::SimpleAtoi(lines[2], &index)) detail.index = index;
-  detail.remedy = lines[3];
+  detail.limit = lines[3];
+  detail.remedy = lines[4];
   return detail;
 }
 

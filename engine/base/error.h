@@ -59,6 +59,9 @@ struct ErrorDetail {
   std::optional<std::uint64_t> index = std::nullopt;
   // What the caller can do about it, one sentence; empty when there is nothing.
   std::string remedy = {};
+  // The limit that was exceeded, as the server's flag is called, such as "max-vertices"; empty when
+  // there is none that can be set.
+  std::string limit = {};
 };
 
 // An error with a message for a person and its detail as payload. The remedy is appended to the

@@ -64,7 +64,8 @@ absl::Status CheckLimit(const std::string& what, std::uint64_t value, std::uint6
   return MakeError(absl::StrCat("the mesh has ", value, " ", what, ", the limit is ", limit),
                    {.reason = Reason::kLimitExceeded,
                     .field = absl::StrCat("mesh.", what),
-                    .remedy = "Send a smaller mesh or raise the limit"});
+                    .remedy = "Send a smaller mesh or raise the limit",
+                    .limit = absl::StrCat("max-", what)});
 }
 
 absl::Status CheckSizes(const Context& context, const PolygonMesh& mesh) {

@@ -32,13 +32,16 @@ enum class SolveMethod {
   kGaussSeidel,
 };
 
+// Largest max_sweeps.
+inline constexpr std::uint32_t kMaxSweeps = 10'000;
+
 struct SolveOptions {
   SolveMethod method = SolveMethod::kChebyshev;
   // [ZC]'s EPS: stop when the largest move of a vertex in a sweep (maximum norm) is at most this
   // part of the bounding box's diagonal. Chebyshev asks it of the residual before the sweep too. In
   // [0, 1). 0 runs max_sweeps.
   double tolerance = 1e-12;
-  // [ZC]'s ITE_MAX, 0 to 10,000. 0 leaves the given points as control points.
+  // [ZC]'s ITE_MAX, 0 to kMaxSweeps. 0 leaves the given points as control points.
   std::uint32_t max_sweeps = 100;
 };
 

@@ -8,7 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
-#include "proto/wire/guard.h"
+#include "engine/base/guard.h"
 
 namespace limn::wire {
 namespace {

@@ -7,9 +7,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
+#include "engine/base/guard.h"
 #include "proto/wire/draco_decoder.h"
 #include "proto/wire/draco_encoder.h"
-#include "proto/wire/guard.h"
 #include "proto/wire/packed_mesh.h"
 #include "proto/wire/polygon_check.h"
 
@@ -53,7 +53,7 @@ absl::StatusOr<std::string> EncodeBytes(const Context& context, const PolygonMes
                             .positions = mesh.positions};
   if (encoding == v1::MESH_ENCODING_DRACO) return EncodeDracoLossless(input);
   LIMN_ASSIGN_OR_RETURN(const QuantizationGrid grid, FitGrid(context, mesh.positions, {}));
-  return EncodeDracoQuantized(input, grid, options.quantization_bits);
+  return EncodeDracoQuantized(context, input, grid, options.quantization_bits);
 }
 
 // A claim of the header and what it is held against.
@@ -61,6 +61,8 @@ struct Claim {
   const char* field;
   std::uint64_t value;
   std::uint64_t limit;
+  // The limit's name, when it is one.
+  const char* limit_name = "";
 };
 
 absl::Status TooLarge(const Claim& claim) {
@@ -68,7 +70,8 @@ absl::Status TooLarge(const Claim& claim) {
                                 " is the limit"),
                    {.reason = Reason::kLimitExceeded,
                     .field = absl::StrCat("mesh.", claim.field),
-                    .remedy = "Send a smaller mesh, or raise the server's limit"});
+                    .remedy = "Send a smaller mesh, or raise the server's limit",
+                    .limit = claim.limit_name});
 }
 
 absl::Status BadHeader(const char* field, const std::string& message, const std::string& remedy) {
@@ -103,10 +106,11 @@ absl::Status CheckLimits(const Limits& limits, const v1::MeshHeader& header) {
   constexpr std::uint64_t kMaxIndex = kNoIndex - 1;
   const std::uint64_t corners = std::min(limits.max_corners, kMaxIndex);
   for (const Claim& claim :
-       {Claim{"vertex_count", header.vertex_count(), std::min(limits.max_vertices, kMaxIndex)},
-        Claim{"corner_count", header.corner_count(), corners},
-        Claim{"face_count", header.face_count(), corners / 3},
-        Claim{"byte_count", header.byte_count(), limits.max_bytes}}) {
+       {Claim{"vertex_count", header.vertex_count(), std::min(limits.max_vertices, kMaxIndex),
+              "max-vertices"},
+        Claim{"corner_count", header.corner_count(), corners, "max-corners"},
+        Claim{"face_count", header.face_count(), corners / 3, "max-corners"},
+        Claim{"byte_count", header.byte_count(), limits.max_bytes, "max-job-bytes"}}) {
     if (claim.value > claim.limit) return TooLarge(claim);
   }
   return absl::OkStatus();
@@ -160,7 +164,7 @@ absl::StatusOr<PolygonMesh> DecodeDracoMesh(const Limits& limits, const v1::Mesh
   }
   LIMN_RETURN_IF_ERROR(CheckClaims(header, out.mesh));
   if (out.mesh.corner_count() > limits.max_corners) {
-    return TooLarge({"corner_count", out.mesh.corner_count(), limits.max_corners});
+    return TooLarge({"corner_count", out.mesh.corner_count(), limits.max_corners, "max-corners"});
   }
   return std::move(out.mesh);
 }

@@ -17,8 +17,7 @@ namespace limn::wire {
 
 struct MeshEncodeOptions {
   v1::MeshEncoding encoding = v1::MESH_ENCODING_PACKED;
-  // Bits per coordinate of MESH_ENCODING_DRACO_QUANTIZED, 8 to 30; positions are float32 then, so
-  // more than 24 are taken as 24.
+  // Bits per coordinate of MESH_ENCODING_DRACO_QUANTIZED; see quantization_grid.h.
   int quantization_bits = 16;
 };
 

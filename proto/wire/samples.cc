@@ -48,7 +48,7 @@ absl::Status CheckParameters(const v1::ParameterBlock& block) {
   if (block.v_size() != n) return Unequal("v", block.v_size(), n);
   if (static_cast<std::size_t>(n) <= kMaxBlockParameters) return absl::OkStatus();
   return MakeError(absl::StrCat("the block has ", n, " parameters"),
-                   {.reason = Reason::kLimitExceeded,
+                   {.reason = Reason::kMalformedRequest,
                     .field = "parameters",
                     .remedy = absl::StrCat("Send blocks of at most ", kMaxBlockParameters)});
 }

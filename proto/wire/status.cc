@@ -42,8 +42,9 @@ v1::ErrorDetails MakeErrorInfo(const ErrorDetail& detail) {
   if (!detail.field.empty()) metadata["field"] = Trailer(detail.field);
   if (detail.index.has_value()) metadata["index"] = absl::StrCat(*detail.index);
   if (!detail.remedy.empty()) metadata["remedy"] = Trailer(detail.remedy);
-  if (detail.reason == Reason::kLimitExceeded && !detail.field.empty()) {
-    metadata["limit"] = Trailer(detail.field);
+  if (detail.reason == Reason::kLimitExceeded) {
+    const std::string& limit = detail.limit.empty() ? detail.field : detail.limit;
+    if (!limit.empty()) metadata["limit"] = Trailer(limit);
   }
   return info;
 }
@@ -87,6 +88,7 @@ std::optional<ErrorDetail> ReadErrorInfo(const v1::RichStatus& rich) {
     };
     ErrorDetail detail{.reason = *reason, .field = text("field"), .remedy = text("remedy")};
     if (std::uint64_t index = 0; absl::SimpleAtoi(text("index"), &index)) detail.index = index;
+    if (text("limit") != detail.field) detail.limit = text("limit");
     return detail;
   }
   return std::nullopt;

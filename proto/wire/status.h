@@ -3,9 +3,10 @@
 // the trailer "grpc-status-details-bin": ErrorInfo with every error, BadRequest for bad input,
 // RetryInfo for RESOURCE_EXHAUSTED by a queue and for UNAVAILABLE.
 //
-// ErrorInfo.metadata holds "field", "index" and "remedy" where the error has them, and "limit" (the
-// field again) with LIMIT_EXCEEDED. The path in BadRequest is the field with its index behind it,
-// "faces[7]", or the field alone where that is a path with an index already.
+// ErrorInfo.metadata holds "field", "index" and "remedy" where the error has them, and "limit" with
+// LIMIT_EXCEEDED: the name of the limit, or the field again where the limit cannot be set. The path
+// in BadRequest is the field with its index behind it, "faces[7]", or the field alone where that is
+// a path with an index already.
 #pragma once
 
 #include <grpcpp/support/status.h>
@@ -17,8 +18,8 @@
 
 namespace limn::wire {
 
-// Field of a LIMIT_EXCEEDED error that passes by itself: the queue is full. Only with this field
-// does a RESOURCE_EXHAUSTED carry RetryInfo.
+// Field of a LIMIT_EXCEEDED error that passes by itself: other jobs fill the server. Only with this
+// field does a RESOURCE_EXHAUSTED carry RetryInfo.
 inline constexpr std::string_view kQueueField = "queue";
 
 // What RetryInfo tells, in seconds.

@@ -181,7 +181,7 @@ TEST(NameConstraintsFileTest, NamesTheFileWhereTheConstraintsAreWrongAndKeepsThe
 
 TEST(NameConstraintsFileTest, LeavesOtherErrorsAlone) {
   const absl::Status mesh =
-      MakeError("open mesh", {.reason = Reason::kOpenMesh, .field = "mesh.faces"});
+      MakeError("no manifold", {.reason = Reason::kNonManifoldEdge, .field = "mesh.faces"});
   EXPECT_EQ(NameConstraintsFile(mesh, "c.json"), mesh);
   EXPECT_TRUE(NameConstraintsFile(absl::OkStatus(), "c.json").ok());
 }

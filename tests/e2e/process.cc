@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -28,6 +29,17 @@ int OpenTerminal(std::string* name) {
   const int fd = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (fd < 0 || grantpt(fd) != 0 || unlockpt(fd) != 0) throw std::runtime_error("no terminal");
   *name = ptsname(fd);
+  return fd;
+}
+
+// Makes a pipe with this name and fills it. Returns an end that keeps it from being closed.
+int OpenFullPipe(const std::string& name) {
+  if (mkfifo(name.c_str(), 0600) != 0) throw std::runtime_error("no pipe");
+  const int fd = open(name.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+  if (fd < 0) throw std::runtime_error("no pipe");
+  const std::array<char, 4096> bytes{};
+  while (write(fd, bytes.data(), bytes.size()) > 0) {
+  }
   return fd;
 }
 
@@ -66,6 +78,7 @@ Process::Process(const std::vector<std::string>& command, const std::filesystem:
     : base_(base) {
   std::string errors_file = base.string() + ".err";
   if (errors == Errors::kTerminal) terminal_ = OpenTerminal(&errors_file);
+  if (errors == Errors::kFullPipe) terminal_ = OpenFullPipe(errors_file);
   pid_ = Spawn(command, {base.string() + ".out", errors_file});
 }
 
@@ -103,6 +116,7 @@ std::string Process::Output() const { return ReadAll(base_.string() + ".out"); }
 
 std::string Process::ErrorText() {
   if (terminal_ < 0) return ReadAll(base_.string() + ".err");
+  if (!isatty(terminal_)) return "(nobody reads it)";
   std::array<char, 4096> buffer;
   // Ends with EAGAIN while the process runs and with EIO when it has ended.
   for (ssize_t got = 0; (got = read(terminal_, buffer.data(), buffer.size())) > 0;) {
@@ -152,8 +166,9 @@ std::vector<std::string> Workspace::Files() const {
   return names;
 }
 
-ServerProcess::ServerProcess(const Workspace& workspace, const std::vector<std::string>& flags)
-    : process_(ServerCommand(workspace, flags), workspace.log("limnd")) {
+ServerProcess::ServerProcess(const Workspace& workspace, const std::vector<std::string>& flags,
+                             Process::Errors errors)
+    : process_(ServerCommand(workspace, flags), workspace.log("limnd"), errors) {
   std::string port;
   WaitUntil(20, [&] {
     port = ReadAll(workspace.log("port"));

@@ -68,7 +68,7 @@ TEST(Error, DetailsComeBackAsTheyWereGiven) {
           ErrorDetail{.reason = reason, .field = "mesh.faces", .index = 0, .remedy = "Do, so: it"},
           ErrorDetail{.reason = reason, .index = ~std::uint64_t{0}},
           ErrorDetail{.reason = reason, .field = "solve.tolerance"},
-          ErrorDetail{.reason = reason, .remedy = "Two\nlines"}}) {
+          ErrorDetail{.reason = reason, .remedy = "Two\nlines", .limit = "max-level"}}) {
       const absl::Status status = MakeError("what happened", detail);
       EXPECT_EQ(status.code(), expected.code);
       const auto back = GetErrorDetail(status);
@@ -77,6 +77,7 @@ TEST(Error, DetailsComeBackAsTheyWereGiven) {
       EXPECT_EQ(back->field, detail.field);
       EXPECT_EQ(back->index, detail.index);
       EXPECT_EQ(back->remedy, detail.remedy);
+      EXPECT_EQ(back->limit, detail.limit);
     }
   }
 }

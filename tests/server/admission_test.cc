@@ -39,7 +39,7 @@ TEST(AdmissionTest, TheJobAfterTheLastPlaceIsRefusedExactly) {
     EXPECT_EQ(refused.Finish().code(), absl::StatusCode::kResourceExhausted);
     const v1::RichStatus rich = refused.rich_status();
     EXPECT_EQ(ErrorInfoOf(rich).reason(), "LIMIT_EXCEEDED");
-    EXPECT_EQ(ErrorInfoOf(rich).metadata().at("limit"), wire::kQueueField);
+    EXPECT_EQ(ErrorInfoOf(rich).metadata().at("limit"), "queue-length");
     EXPECT_TRUE(HasRetryInfo(rich));
     EXPECT_NE(rich.message().find("queue-length"), std::string::npos) << rich.message();
   }
@@ -50,8 +50,9 @@ TEST(AdmissionTest, TheJobAfterTheLastPlaceIsRefusedExactly) {
 struct LimitCase {
   std::string name;
   std::function<void(ServerLimits&)> set;
-  // In the message.
+  // Both in the details of the error.
   std::string limit;
+  std::string field;
 };
 
 void PrintTo(const LimitCase& c, std::ostream* out) { *out << c.name; }
@@ -67,19 +68,26 @@ TEST_P(LimitTest, IsHeldAndNamed) {
   const absl::Status status = call.Finish();
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
   EXPECT_EQ(ReasonOf(status), Reason::kLimitExceeded);
-  EXPECT_NE(std::string(status.message()).find(GetParam().limit), std::string::npos) << status;
+  const v1::RichStatus rich = call.rich_status();
+  EXPECT_EQ(ErrorInfoOf(rich).metadata().at("limit"), GetParam().limit) << status;
+  EXPECT_EQ(ErrorInfoOf(rich).metadata().at("field"), GetParam().field) << status;
+  EXPECT_FALSE(HasRetryInfo(rich));
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Limits, LimitTest,
-    testing::Values(
-        LimitCase{"Vertices", [](ServerLimits& l) { l.max_vertices = 199; }, "vertex_count"},
-        LimitCase{"Corners", [](ServerLimits& l) { l.max_corners = 100; }, "corner_count"},
-        LimitCase{"Level", [](ServerLimits& l) { l.max_level = 2; }, "max-level"},
-        LimitCase{"MeshBytes", [](ServerLimits& l) { l.max_mesh_bytes = 1000; }, "max-mesh-bytes"},
-        LimitCase{"JobBytes", [](ServerLimits& l) { l.max_job_bytes = 100'000; }, "max-job-bytes"},
-        LimitCase{"TotalBytes", [](ServerLimits& l) { l.max_total_bytes = 100'000; },
-                  "max-total-bytes"}),
+    testing::Values(LimitCase{"Vertices", [](ServerLimits& l) { l.max_vertices = 199; },
+                              "max-vertices", "mesh.vertex_count"},
+                    LimitCase{"Corners", [](ServerLimits& l) { l.max_corners = 100; },
+                              "max-corners", "mesh.corner_count"},
+                    LimitCase{"Level", [](ServerLimits& l) { l.max_level = 2; }, "max-level",
+                              "surface.level"},
+                    LimitCase{"MeshBytes", [](ServerLimits& l) { l.max_mesh_bytes = 1000; },
+                              "max-mesh-bytes", "mesh.byte_count"},
+                    LimitCase{"JobBytes", [](ServerLimits& l) { l.max_job_bytes = 100'000; },
+                              "max-job-bytes", "surface.level"},
+                    LimitCase{"TotalBytes", [](ServerLimits& l) { l.max_total_bytes = 100'000; },
+                              "max-total-bytes", "surface.level"}),
     [](const auto& test) { return test.param.name; });
 
 TEST(AdmissionTest, MemoryOfAllJobsIsBoundedAndComesBack) {
@@ -101,6 +109,8 @@ TEST(AdmissionTest, MemoryOfAllJobsIsBoundedAndComesBack) {
     ASSERT_TRUE(second.ok());
     const auto third = admission.Admit(spec);
     EXPECT_EQ(ReasonOf(third.status()), Reason::kLimitExceeded);
+    EXPECT_EQ(GetErrorDetail(third.status())->field, wire::kQueueField);
+    EXPECT_EQ(GetErrorDetail(third.status())->limit, "max-total-bytes");
     EXPECT_EQ(lane.places_taken(), 2U);
   }
   EXPECT_EQ(admission.reserved_bytes(), 0U);

@@ -310,7 +310,7 @@ TEST(EvaluateAdmissionTest, TheSurfaceThatIsKeptCountsAsMemory) {
   RawEvaluation call(server->InProcessChannel());
   call.Write(upload.front());
   EXPECT_EQ(ReasonOf(call.Finish()), Reason::kLimitExceeded);
-  EXPECT_EQ(GetErrorDetail(call.Finish())->field, "max-job-bytes");
+  EXPECT_EQ(GetErrorDetail(call.Finish())->limit, "max-job-bytes");
 }
 
 TEST(EvaluateAdmissionTest, AFullLaneRefusesIt) {

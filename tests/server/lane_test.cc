@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <future>
 #include <vector>
 
@@ -66,6 +67,22 @@ TEST(WorkerThreadsTest, StopRunsWhatWasPosted) {
   for (int i = 0; i < 1000; ++i) threads.Post([&] { ++ran; });
   threads.Stop();
   EXPECT_EQ(ran, 1000);
+}
+
+TEST(WorkerThreadsTest, StopUntilTellsWhetherWorkIsLeft) {
+  WorkerThreads threads(2, nullptr);
+  std::promise<void> go;
+  std::promise<void> running;
+  threads.Post([&] {
+    running.set_value();
+    go.get_future().wait();
+  });
+  running.get_future().wait();
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_FALSE(threads.StopUntil(start + std::chrono::milliseconds(50)));
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
+  go.set_value();
+  EXPECT_TRUE(threads.StopUntil(start + std::chrono::minutes(1)));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <grpcpp/generic/generic_stub.h>
 
 #include <chrono>
+#include <mutex>
 #include <thread>
 
 #include "engine/mesh/generate.h"
@@ -129,6 +130,31 @@ v1::RichStatus RawStream<Request, Response>::rich_status() {
 
 template class RawStream<v1::InterpolateRequest, v1::InterpolateResponse>;
 template class RawStream<v1::EvaluateRequest, v1::EvaluateResponse>;
+
+struct EventLog::Lines {
+  std::mutex mutex;
+  std::vector<std::string> text;
+};
+
+EventLog::EventLog()
+    : lines_(std::make_shared<Lines>()),
+      log_(Log::ToFunction([lines = lines_](std::string_view line) {
+        const std::lock_guard lock(lines->mutex);
+        lines->text.emplace_back(line);
+      })) {}
+
+std::string EventLog::WaitFor(const std::string& text) const {
+  for (int attempt = 0; attempt < 500; ++attempt) {
+    {
+      const std::lock_guard lock(lines_->mutex);
+      for (const std::string& line : lines_->text) {
+        if (line.find(text) != std::string::npos) return line;
+      }
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return "";
+}
 
 Reason ReasonOf(const absl::Status& status) {
   const std::optional<ErrorDetail> detail = GetErrorDetail(status);

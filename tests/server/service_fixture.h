@@ -71,6 +71,21 @@ using RawEvaluation = RawStream<v1::EvaluateRequest, v1::EvaluateResponse>;
 std::vector<v1::EvaluateRequest> MakeEvaluateUpload(v1::InterpolateHeader header,
                                                     const PolygonMesh& mesh);
 
+// Keeps the lines that a server logs.
+class EventLog {
+ public:
+  EventLog();
+  // For ServerOptions.
+  const std::shared_ptr<Log>& log() const { return log_; }
+  // The first line that holds the text; empty when none comes within some seconds.
+  std::string WaitFor(const std::string& text) const;
+
+ private:
+  struct Lines;
+  std::shared_ptr<Lines> lines_;
+  std::shared_ptr<Log> log_;
+};
+
 // The reason of an error; kInternal's neighbour "nothing" is an ok status, which fails the test.
 Reason ReasonOf(const absl::Status& status);
 

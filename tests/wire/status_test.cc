@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <optional>
 #include <string>
 
 #include "engine/base/error.h"
@@ -93,10 +94,9 @@ TEST(StatusTest, BadInputCarriesErrorInfoAndBadRequest) {
 }
 
 TEST(StatusTest, APathThatNamesItsElementIsTheWholePath) {
-  const grpc::Status status = ToGrpcStatus(MakeError("constraints.normals[3].vertex: no vertex 9",
-                                                     {.reason = Reason::kIndexOutOfRange,
-                                                      .field = "constraints.normals[3].vertex",
-                                                      .index = 3}));
+  const grpc::Status status = ToGrpcStatus(MakeError(
+      "constraints.normals[3].vertex: no vertex 9",
+      {.reason = Reason::kIndexOutOfRange, .field = "constraints.normals[3].vertex", .index = 3}));
   v1::BadRequestDetails bad;
   ASSERT_TRUE(bad.ParseFromString(Details(status).at(kBadRequest)));
   ASSERT_EQ(bad.field_violations_size(), 1);
@@ -126,6 +126,20 @@ TEST(StatusTest, OnlyWhatPassesByItselfCarriesRetryInfo) {
   v1::ErrorDetails info;
   ASSERT_TRUE(info.ParseFromString(size.at(kErrorInfo)));
   EXPECT_EQ(info.metadata().at("limit"), "mesh.vertex_count");
+}
+
+TEST(StatusTest, ALimitIsNamedBesideTheField) {
+  const grpc::Status sent = ToGrpcStatus(MakeError(
+      "too fine",
+      {.reason = Reason::kLimitExceeded, .field = "surface.level", .limit = "max-level"}));
+  v1::ErrorDetails info;
+  ASSERT_TRUE(info.ParseFromString(Details(sent).at(kErrorInfo)));
+  EXPECT_EQ(info.metadata().at("field"), "surface.level");
+  EXPECT_EQ(info.metadata().at("limit"), "max-level");
+  const std::optional<ErrorDetail> back = GetErrorDetail(FromGrpcStatus(sent));
+  ASSERT_TRUE(back.has_value());
+  EXPECT_EQ(back->field, "surface.level");
+  EXPECT_EQ(back->limit, "max-level");
 }
 
 TEST(StatusTest, OtherProgramsStatusIsKeptWithItsCode) {
