@@ -10,6 +10,7 @@
 #include "engine/base/error.h"
 #include "engine/limit/certificate.h"
 #include "engine/mesh/repair.h"
+#include "proto/wire/samples.h"
 #include "proto/wire/status.h"
 #include "server/constraints_from_proto.h"
 
@@ -18,6 +19,10 @@ namespace {
 
 // Two encoded tiles wait, one is written, one is made; a chunk arrives.
 constexpr std::uint64_t kMessagesInFlight = 5;
+// One block of parameters is answered, one waits, one arrives.
+constexpr std::uint64_t kBlocksInFlight = 3;
+// What LargeFaces may keep for each corner.
+constexpr std::uint64_t kLargeFaceBytes = 12;
 
 std::uint64_t SaturatingAdd(std::uint64_t a, std::uint64_t b) {
   const std::uint64_t sum = a + b;
@@ -60,6 +65,11 @@ std::uint64_t EstimateJobBytes(const JobSpec& spec) {
   bytes = SaturatingAdd(bytes, CertificateBuilder::Bytes(vertices, constraints.normals.size()));
   // The call keeps its copy, and the job has one.
   bytes = SaturatingAdd(bytes, 2 * ConstraintBytes(constraints));
+  if (spec.engine.keep_patches) {
+    bytes = SaturatingAdd(bytes, kLargeFaceBytes * corners + kBlocksInFlight *
+                                                                 wire::kMaxBlockParameters *
+                                                                 sizeof(SurfaceParameter));
+  }
   return SaturatingAdd(bytes, kMessagesInFlight * spec.tiles.tile_bytes);
 }
 

@@ -87,6 +87,7 @@ absl::Status Job::Run(std::string encoded_mesh) {
   stages_.insert(stages_.end(), result.stages.begin(), result.stages.end());
   solve_ = result.solve;
   surface_ = std::move(result.surface);
+  patches_ = std::move(result.patches);
   certificate_.emplace(std::exchange(mesh_.positions, std::move(result.control_positions)),
                        spec_.engine.constraints);
   if (!spec_.send_normals) {

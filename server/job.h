@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -46,6 +47,9 @@ class Job {
   // none left. Cost: linear in a tile. Errors: those of wire::EncodeTile.
   [[nodiscard]] absl::StatusOr<bool> NextMessage(v1::InterpolateResponse* message);
 
+  // After Run, the surface itself, if the spec keeps patches. Once.
+  std::optional<DooSabinSurface> TakePatches() { return std::exchange(patches_, std::nullopt); }
+
   // The stages until now, in order.
   const std::vector<StageTime>& stages() const { return stages_; }
   // Bytes of control mesh and tiles until now.
@@ -82,6 +86,7 @@ class Job {
   std::optional<wire::MappingReader> mapping_;
   SolveReport solve_;
   Tessellation surface_;
+  std::optional<DooSabinSurface> patches_;
   std::optional<CertificateBuilder> certificate_;
 
   Part part_ = Part::kNone;

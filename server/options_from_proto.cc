@@ -208,6 +208,20 @@ absl::StatusOr<JobSpec> JobSpecFromProto(const v1::InterpolateHeader& header) {
   return spec;
 }
 
+absl::StatusOr<JobSpec> EvaluateSpecFromProto(const v1::InterpolateHeader& header) {
+  LIMN_ASSIGN_OR_RETURN(JobSpec spec, JobSpecFromProto(header));
+  if (spec.send_surface || spec.send_control_mesh) {
+    return Invalid(spec.send_surface ? "output.surface" : "output.control_mesh",
+                   "Evaluate answers parameters only", "Leave it out; Interpolate sends it");
+  }
+  if (spec.mesh.encoding() == v1::MESH_ENCODING_DRACO_QUANTIZED) {
+    return Invalid("mesh.encoding", "a quantised mesh has lost the order of its faces",
+                   "Use a lossless encoding: parameters name faces by their numbers");
+  }
+  spec.engine.keep_patches = true;
+  return spec;
+}
+
 v1::SolveOptions::Method MethodToProto(SolveMethod method) {
   switch (method) {
     case SolveMethod::kChebyshev:

@@ -38,6 +38,11 @@ struct JobSpec {
 // interpolate.proto. Thread-safe.
 [[nodiscard]] absl::StatusOr<JobSpec> JobSpecFromProto(const v1::InterpolateHeader& header);
 
+// The job of an Evaluate call: it keeps the surface, and sends nothing of it by itself. Errors: as
+// above; INVALID_OPTION for a header that asks for control mesh or surface, or whose mesh is
+// quantised.
+[[nodiscard]] absl::StatusOr<JobSpec> EvaluateSpecFromProto(const v1::InterpolateHeader& header);
+
 // What the engine did, as the contract says it.
 [[nodiscard]] v1::SolveOptions::Method MethodToProto(SolveMethod method);
 [[nodiscard]] v1::SolveOptions::Rule RuleToProto(FirstRule rule);

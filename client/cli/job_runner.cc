@@ -27,7 +27,7 @@ void ShowProgress(const v1::Progress& progress, ProgressBar* bar) {
 void JobCanceller::Cancel() {
   const std::lock_guard lock(mutex_);
   cancelled_ = true;
-  if (job_ != nullptr) job_->Cancel();
+  if (cancel_) cancel_();
 }
 
 bool JobCanceller::cancelled() const {
@@ -35,18 +35,18 @@ bool JobCanceller::cancelled() const {
   return cancelled_;
 }
 
-void JobCanceller::Attach(ClientJob* job) {
+void JobCanceller::Attach(std::function<void()> cancel) {
   const std::lock_guard lock(mutex_);
-  job_ = job;
-  if (job_ != nullptr && cancelled_) job_->Cancel();
+  cancel_ = std::move(cancel);
+  if (cancel_ && cancelled_) cancel_();
 }
 
 absl::StatusOr<JobResult> RunJob(const Client& client, JobInput input, ProgressBar* bar,
                                  JobCanceller* canceller) {
   bar->Show("send", 0);
   LIMN_ASSIGN_OR_RETURN(ClientJob job, client.Submit(std::move(input.header), input.mesh));
-  canceller->Attach(&job);
-  const absl::Cleanup detach = [canceller] { canceller->Attach(nullptr); };
+  canceller->Attach([&job] { job.Cancel(); });
+  const absl::Cleanup detach = [canceller] { canceller->Attach({}); };
   input.mesh = PolygonMesh{};
 
   ResultCollector answer;

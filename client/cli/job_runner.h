@@ -2,6 +2,7 @@
 // Runs one job to its end, with a progress bar, and lets another thread stop it.
 #pragma once
 
+#include <functional>
 #include <mutex>
 
 #include "absl/status/statusor.h"
@@ -17,13 +18,13 @@ class JobCanceller {
   void Cancel();
   bool cancelled() const;
 
-  // The job that Cancel() cancels from now on; none for nullptr.
-  void Attach(ClientJob* job);
+  // What Cancel() calls from now on, under a lock; nothing for {}.
+  void Attach(std::function<void()> cancel);
 
  private:
   mutable std::mutex mutex_;
   bool cancelled_ = false;
-  ClientJob* job_ = nullptr;
+  std::function<void()> cancel_;
 };
 
 // A job's two halves.

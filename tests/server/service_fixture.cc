@@ -31,6 +31,12 @@ v1::InterpolateHeader MakeHeader(std::uint32_t level) {
   return header;
 }
 
+v1::InterpolateHeader MakeEvaluateHeader() {
+  v1::InterpolateHeader header = MakeHeader(0);
+  header.clear_output();
+  return header;
+}
+
 v1::InterpolateHeader MakeEndlessHeader() {
   v1::InterpolateHeader header = MakeHeader(1);
   header.mutable_solve()->set_tolerance(0);
@@ -56,31 +62,57 @@ std::vector<v1::InterpolateRequest> MakeUpload(v1::InterpolateHeader header,
   return upload;
 }
 
-RawCall::RawCall(const std::shared_ptr<grpc::Channel>& channel, std::chrono::milliseconds deadline)
-    : stub_(v1::LimnService::NewStub(channel)) {
-  context_.set_deadline(std::chrono::system_clock::now() + deadline);
-  stream_ = stub_->Interpolate(&context_);
+std::vector<v1::EvaluateRequest> MakeEvaluateUpload(v1::InterpolateHeader header,
+                                                    const PolygonMesh& mesh) {
+  std::vector<v1::EvaluateRequest> upload;
+  for (v1::InterpolateRequest& part : MakeUpload(std::move(header), mesh)) {
+    *upload.emplace_back().mutable_job() = std::move(part);
+  }
+  return upload;
 }
 
-RawCall::~RawCall() {
+namespace {
+
+auto Open(v1::LimnService::Stub& stub, grpc::ClientContext* context, v1::InterpolateRequest*) {
+  return stub.Interpolate(context);
+}
+auto Open(v1::LimnService::Stub& stub, grpc::ClientContext* context, v1::EvaluateRequest*) {
+  return stub.Evaluate(context);
+}
+
+}  // namespace
+
+template <class Request, class Response>
+RawStream<Request, Response>::RawStream(const std::shared_ptr<grpc::Channel>& channel,
+                                        std::chrono::milliseconds deadline)
+    : stub_(v1::LimnService::NewStub(channel)) {
+  context_.set_deadline(std::chrono::system_clock::now() + deadline);
+  stream_ = Open(*stub_, &context_, static_cast<Request*>(nullptr));
+}
+
+template <class Request, class Response>
+RawStream<Request, Response>::~RawStream() {
   context_.TryCancel();
   (void)Finish();
 }
 
-bool RawCall::Write(const std::vector<v1::InterpolateRequest>& requests) {
-  for (const v1::InterpolateRequest& request : requests) {
+template <class Request, class Response>
+bool RawStream<Request, Response>::Write(const std::vector<Request>& requests) {
+  for (const Request& request : requests) {
     if (!Write(request)) return false;
   }
   return true;
 }
 
-std::optional<v1::InterpolateResponse> RawCall::Read() {
-  v1::InterpolateResponse response;
+template <class Request, class Response>
+std::optional<Response> RawStream<Request, Response>::Read() {
+  Response response;
   if (!stream_->Read(&response)) return std::nullopt;
   return response;
 }
 
-absl::Status RawCall::Finish() {
+template <class Request, class Response>
+absl::Status RawStream<Request, Response>::Finish() {
   if (!status_.has_value()) {
     while (Read().has_value()) {
     }
@@ -89,11 +121,15 @@ absl::Status RawCall::Finish() {
   return wire::FromGrpcStatus(*status_);
 }
 
-v1::RichStatus RawCall::rich_status() {
+template <class Request, class Response>
+v1::RichStatus RawStream<Request, Response>::rich_status() {
   v1::RichStatus rich;
   EXPECT_TRUE(rich.ParseFromString(status_->error_details()));
   return rich;
 }
+
+template class RawStream<v1::InterpolateRequest, v1::InterpolateResponse>;
+template class RawStream<v1::EvaluateRequest, v1::EvaluateResponse>;
 
 struct EventLog::Lines {
   std::mutex mutex;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/interpolate_reactor.h"
+#include "server/job_reactor.h"
 
 #include <random>
 #include <utility>
@@ -33,15 +33,16 @@ std::string MakeRequestId() {
 
 }  // namespace
 
-InterpolateReactor* InterpolateReactor::Create(ServiceCore& core,
-                                               grpc::CallbackServerContext* context) {
-  auto* reactor = new InterpolateReactor(core, context);
+template <class Rpc>
+JobReactor<Rpc>* JobReactor<Rpc>::Create(ServiceCore& core, grpc::CallbackServerContext* context) {
+  auto* reactor = new JobReactor(core, context);
   reactor->self_.reset(reactor);
   reactor->Start();
   return reactor;
 }
 
-InterpolateReactor::InterpolateReactor(ServiceCore& core, grpc::CallbackServerContext* context)
+template <class Rpc>
+JobReactor<Rpc>::JobReactor(ServiceCore& core, grpc::CallbackServerContext* context)
     : core_(core),
       context_(context),
       deadline_(DeadlineOf(context->raw_deadline())),
@@ -49,7 +50,8 @@ InterpolateReactor::InterpolateReactor(ServiceCore& core, grpc::CallbackServerCo
       request_id_(MakeRequestId()),
       phase_start_(last_activity_) {}
 
-void InterpolateReactor::Start() {
+template <class Rpc>
+void JobReactor<Rpc>::Start() {
   const Lock lock(mutex_);
   // First registered, then looked: a drain that begins now either finds it or is seen by it.
   core_.streams.Add(self_);
@@ -58,51 +60,75 @@ void InterpolateReactor::Start() {
                                              .remedy = "Try another server, or again later"}));
     return;
   }
-  StartRead(&request_);
+  this->StartRead(&request_);
 }
 
-void InterpolateReactor::OnReadDone(bool ok) {
+// With an input that waits, reading waits too, unless what comes is only dropped.
+template <class Rpc>
+void JobReactor<Rpc>::ReadMore() {
+  if (finished_) return;
+  read_paused_ = input_.has_value() && !end_.has_value();
+  if (!read_paused_) this->StartRead(&request_);
+}
+
+template <class Rpc>
+void JobReactor<Rpc>::OnReadDone(bool ok) {
   const Lock lock(mutex_);
   if (end_.has_value()) {
     // A client that sends everything before it reads must get that far, or the write that is under
     // way would never end.
-    if (ok && !finished_) StartRead(&request_);
+    if (ok) ReadMore();
     return;
   }
   last_activity_ = Clock::now();
   const absl::Status status = Guarded("taking a message", Reason::kInternal,
-                                      [&] { return ok ? TakeMessage() : EndOfUpload(); });
+                                      [&] { return ok ? TakeMessage() : EndOfRequests(); });
   if (!status.ok()) End(status);
-  if (ok && !finished_) StartRead(&request_);
+  PumpEncoder();
+  if (ok) ReadMore();
 }
 
-absl::Status InterpolateReactor::TakeMessage() {
+template <class Rpc>
+absl::Status JobReactor<Rpc>::TakeMessage() {
+  const v1::InterpolateRequest* const part = Rpc::UploadPart(request_);
   switch (phase_) {
     case Phase::kHeader:
-      if (!request_.has_header()) {
+      if (part == nullptr || !part->has_header()) {
         return Malformed("the stream does not begin with a header", "Send the header first");
       }
-      return TakeHeader(request_.header());
+      return TakeHeader(part->header());
     case Phase::kUpload:
-      if (request_.has_header()) {
+      if (part != nullptr && part->has_header()) {
         return Malformed("there is a second header", "Use one stream per job");
       }
-      if (!request_.has_chunk()) {
-        return Malformed("there is an empty message among the mesh's chunks",
-                         "Send chunks after the header");
+      if (part == nullptr || !part->has_chunk()) {
+        return Malformed("there is a message without a chunk among those of the mesh",
+                         "Send chunks after the header, to the last of the mesh");
       }
-      return TakeChunk(request_.chunk());
+      return TakeChunk(part->chunk());
     case Phase::kQueued:
     case Phase::kRunning:
     case Phase::kDelivering:
       break;
   }
-  return Malformed("there is a message after the last chunk of the mesh",
-                   "End the upload after the last chunk");
+  return TakeInput();
 }
 
-absl::Status InterpolateReactor::TakeHeader(const v1::InterpolateHeader& header) {
-  LIMN_ASSIGN_OR_RETURN(spec_, JobSpecFromProto(header));
+template <class Rpc>
+absl::Status JobReactor<Rpc>::TakeInput() {
+  if constexpr (Rpc::kTakesInput) {
+    LIMN_RETURN_IF_ERROR(Rpc::Job::CheckInput(request_));
+    input_ = std::move(request_);
+    return absl::OkStatus();
+  } else {
+    return Malformed("there is a message after the last chunk of the mesh",
+                     "End the upload after the last chunk");
+  }
+}
+
+template <class Rpc>
+absl::Status JobReactor<Rpc>::TakeHeader(const v1::InterpolateHeader& header) {
+  LIMN_ASSIGN_OR_RETURN(spec_, Rpc::Spec(header));
   if (spec_.request_id.empty()) spec_.request_id = request_id_;
   request_id_ = spec_.request_id;
   LIMN_ASSIGN_OR_RETURN(ticket_, core_.admission.Admit(spec_));
@@ -110,7 +136,7 @@ absl::Status InterpolateReactor::TakeHeader(const v1::InterpolateHeader& header)
   phase_ = Phase::kUpload;
   phase_start_ = Clock::now();
 
-  auto message = std::make_unique<v1::InterpolateResponse>();
+  auto message = std::make_unique<Response>();
   v1::Accepted* accepted = message->mutable_accepted();
   accepted->set_request_id(request_id_);
   accepted->set_server_version(LIMN_VERSION);
@@ -121,13 +147,15 @@ absl::Status InterpolateReactor::TakeHeader(const v1::InterpolateHeader& header)
   return absl::OkStatus();
 }
 
-absl::Status InterpolateReactor::TakeChunk(const v1::MeshChunk& chunk) {
+template <class Rpc>
+absl::Status JobReactor<Rpc>::TakeChunk(const v1::MeshChunk& chunk) {
   LIMN_RETURN_IF_ERROR(upload_->Add(chunk));
   if (upload_->complete()) Enqueue();
   return absl::OkStatus();
 }
 
-absl::Status InterpolateReactor::EndOfUpload() const {
+template <class Rpc>
+absl::Status JobReactor<Rpc>::EndOfRequests() {
   if (context_->IsCancelled()) return CancelledStatus();
   switch (phase_) {
     case Phase::kHeader:
@@ -141,10 +169,12 @@ absl::Status InterpolateReactor::EndOfUpload() const {
     case Phase::kDelivering:
       break;
   }
+  input_ended_ = true;
   return absl::OkStatus();
 }
 
-Context InterpolateReactor::MakeContext() {
+template <class Rpc>
+Context JobReactor<Rpc>::MakeContext() {
   Context context(EngineLimits(core_.limits));
   if (deadline_.has_value()) context.set_deadline(*deadline_);
   stop_ = context;
@@ -152,16 +182,18 @@ Context InterpolateReactor::MakeContext() {
   return context;
 }
 
-void InterpolateReactor::Enqueue() {
+template <class Rpc>
+void JobReactor<Rpc>::Enqueue() {
   const Clock::time_point now = Clock::now();
-  job_ = std::make_unique<Job>(spec_, MakeContext());
+  job_ = std::make_unique<typename Rpc::Job>(spec_, MakeContext());
   job_->AddStage("receive", Milliseconds(now - phase_start_).count());
   phase_start_ = now;
   phase_ = Phase::kQueued;
-  ticket_.place.Post([self = shared_from_this()] { self->RunJob(); });
+  ticket_.place.Post([self = this->shared_from_this()] { self->RunJob(); });
 }
 
-void InterpolateReactor::RunJob() {
+template <class Rpc>
+void JobReactor<Rpc>::RunJob() {
   {
     const Lock lock(mutex_);
     if (end_.has_value()) {
@@ -178,6 +210,7 @@ void InterpolateReactor::RunJob() {
   const Lock lock(mutex_);
   ticket_.place.Release();
   phase_ = Phase::kDelivering;
+  last_activity_ = Clock::now();
   progress_.reset();
   if (end_.has_value()) return;
   if (status.ok()) {
@@ -187,7 +220,8 @@ void InterpolateReactor::RunJob() {
   }
 }
 
-void InterpolateReactor::TakeProgress(const ProgressEvent& event) {
+template <class Rpc>
+void JobReactor<Rpc>::TakeProgress(const ProgressEvent& event) {
   const Lock lock(mutex_);
   if (phase_ != Phase::kRunning || end_.has_value()) return;
   if (!progress_.has_value()) progress_.emplace();
@@ -198,16 +232,46 @@ void InterpolateReactor::TakeProgress(const ProgressEvent& event) {
   TryWrite();
 }
 
-void InterpolateReactor::PumpEncoder() {
-  if (phase_ != Phase::kDelivering || encoding_ || all_encoded_ || end_.has_value()) return;
-  if (encoded_.size() >= kMostEncoded) return;
-  encoding_ = true;
-  core_.delivery.Post([self = shared_from_this()] { self->EncodeNext(); });
+// Gives the job the input that it needs, as far as it is there. Not while it is encoded.
+template <class Rpc>
+bool JobReactor<Rpc>::FeedJob() {
+  if constexpr (Rpc::kTakesInput) {
+    while (job_->NeedsInput()) {
+      if (input_.has_value()) {
+        job_->AddInput(*std::exchange(input_, std::nullopt));
+        if (read_paused_) ReadMore();
+      } else if (input_ended_) {
+        job_->EndInput();
+      } else {
+        return false;
+      }
+    }
+  }
+  return true;
 }
 
-void InterpolateReactor::EncodeNext() {
+template <class Rpc>
+bool JobReactor<Rpc>::WaitsForInput() const {
+  if constexpr (Rpc::kTakesInput) {
+    return phase_ == Phase::kDelivering && !encoding_ && !end_.has_value() && encoded_.empty() &&
+           job_->NeedsInput() && !input_.has_value() && !input_ended_;
+  } else {
+    return false;
+  }
+}
+
+template <class Rpc>
+void JobReactor<Rpc>::PumpEncoder() {
+  if (phase_ != Phase::kDelivering || encoding_ || all_encoded_ || end_.has_value()) return;
+  if (encoded_.size() >= kMostEncoded || !FeedJob()) return;
+  encoding_ = true;
+  core_.delivery.Post([self = this->shared_from_this()] { self->EncodeNext(); });
+}
+
+template <class Rpc>
+void JobReactor<Rpc>::EncodeNext() {
   // The job is this task's alone while `encoding_` is set.
-  auto message = std::make_unique<v1::InterpolateResponse>();
+  auto message = std::make_unique<Response>();
   const absl::StatusOr<bool> more =
       Guarded("encoding the answer", Reason::kInternal,
               [&]() -> absl::StatusOr<bool> { return job_->NextMessage(message.get()); });
@@ -228,15 +292,16 @@ void InterpolateReactor::EncodeNext() {
   PumpEncoder();
 }
 
-void InterpolateReactor::TryWrite() {
+template <class Rpc>
+void JobReactor<Rpc>::TryWrite() {
   if (writing_ != nullptr || finished_) return;
   if (!end_.has_value() && all_encoded_ && encoded_.empty()) end_ = absl::OkStatus();
   if (end_.has_value()) {
     finished_ = true;
     last_activity_ = Clock::now();
-    Finish(wire::ToGrpcStatus(*end_));
+    this->Finish(wire::ToGrpcStatus(*end_));
   } else if (!encoded_.empty()) {
-    std::unique_ptr<v1::InterpolateResponse> message = std::move(encoded_.front());
+    std::unique_ptr<Response> message = std::move(encoded_.front());
     encoded_.pop_front();
     Write(std::move(message));
   } else if (progress_.has_value() && Clock::now() - last_progress_ >= kProgressInterval) {
@@ -244,21 +309,24 @@ void InterpolateReactor::TryWrite() {
   }
 }
 
-void InterpolateReactor::WriteProgress() {
-  auto message = std::make_unique<v1::InterpolateResponse>();
+template <class Rpc>
+void JobReactor<Rpc>::WriteProgress() {
+  auto message = std::make_unique<Response>();
   *message->mutable_progress() = *std::move(progress_);
   progress_.reset();
   last_progress_ = Clock::now();
   Write(std::move(message));
 }
 
-void InterpolateReactor::Write(std::unique_ptr<v1::InterpolateResponse> message) {
+template <class Rpc>
+void JobReactor<Rpc>::Write(std::unique_ptr<Response> message) {
   last_activity_ = Clock::now();
   writing_ = std::move(message);
-  StartWrite(writing_.get());
+  this->StartWrite(writing_.get());
 }
 
-void InterpolateReactor::OnWriteDone(bool ok) {
+template <class Rpc>
+void JobReactor<Rpc>::OnWriteDone(bool ok) {
   const Lock lock(mutex_);
   writing_.reset();
   last_activity_ = Clock::now();
@@ -267,17 +335,20 @@ void InterpolateReactor::OnWriteDone(bool ok) {
   PumpEncoder();
 }
 
-void InterpolateReactor::OnCancel() {
+template <class Rpc>
+void JobReactor<Rpc>::OnCancel() {
   const Lock lock(mutex_);
   End(CancelledStatus());
 }
 
-void InterpolateReactor::Stop(const absl::Status& status) {
+template <class Rpc>
+void JobReactor<Rpc>::Stop(const absl::Status& status) {
   const Lock lock(mutex_);
   End(status);
 }
 
-absl::Status InterpolateReactor::CancelledStatus() const {
+template <class Rpc>
+absl::Status JobReactor<Rpc>::CancelledStatus() const {
   if (deadline_.has_value() && Clock::now() + kClockSlack >= *deadline_) {
     return MakeError("the job's deadline has passed", {.reason = Reason::kDeadlineExceeded});
   }
@@ -285,31 +356,37 @@ absl::Status InterpolateReactor::CancelledStatus() const {
 }
 
 // The first reason to end counts. A job that runs gives its place back when it has stopped.
-void InterpolateReactor::End(const absl::Status& status) {
+template <class Rpc>
+void JobReactor<Rpc>::End(const absl::Status& status) {
   if (end_.has_value()) return;
   end_ = status;
   stop_.Cancel();
   encoded_.clear();
   progress_.reset();
+  input_.reset();
   if (phase_ != Phase::kRunning) ticket_.place.Release();
   TryWrite();
+  if (read_paused_) ReadMore();
 }
 
-void InterpolateReactor::CheckStall(Clock::time_point now) {
+template <class Rpc>
+void JobReactor<Rpc>::CheckStall(Clock::time_point now) {
   const Lock lock(mutex_);
   const auto limit = std::chrono::seconds(core_.limits.stall_seconds);
   if (done_ || now - last_activity_ < limit) return;
   if (writing_ != nullptr || finished_) {
     // The reader stands still, so that an orderly end would not get through either.
     context_->TryCancel();
-  } else if (phase_ == Phase::kHeader || phase_ == Phase::kUpload) {
-    End(MakeError(absl::StrCat("no message came for ", core_.limits.stall_seconds,
-                               " seconds (limit stall-seconds)"),
-                  {.reason = Reason::kLimitExceeded, .field = "stall-seconds"}));
+  } else if (phase_ == Phase::kHeader || phase_ == Phase::kUpload || WaitsForInput()) {
+    End(MakeError(
+        absl::StrCat("no message came for ", core_.limits.stall_seconds,
+                     " seconds (limit stall-seconds)"),
+        {.reason = Reason::kLimitExceeded, .field = "stall-seconds", .limit = "stall-seconds"}));
   }
 }
 
-void InterpolateReactor::OnDone() {
+template <class Rpc>
+void JobReactor<Rpc>::OnDone() {
   {
     const Lock lock(mutex_);
     done_ = true;
@@ -320,10 +397,11 @@ void InterpolateReactor::OnDone() {
   core_.delivery.Post([self = std::move(self_)] {});
 }
 
-void InterpolateReactor::LogEnd() {
+template <class Rpc>
+void JobReactor<Rpc>::LogEnd() {
   const absl::Status status = end_.value_or(absl::UnknownError("ended without a reason"));
   LogLine line("job");
-  line.Add("request_id", request_id_).Add("method", "Interpolate").Add("peer", context_->peer());
+  line.Add("request_id", request_id_).Add("method", Rpc::kName).Add("peer", context_->peer());
   line.Add("code", absl::StatusCodeToString(status.code()));
   if (const std::optional<ErrorDetail> detail = GetErrorDetail(status)) {
     line.Add("reason", ReasonName(detail->reason));
@@ -341,5 +419,8 @@ void InterpolateReactor::LogEnd() {
   }
   core_.log->Info(line);
 }
+
+template class JobReactor<InterpolateRpc>;
+template class JobReactor<EvaluateRpc>;
 
 }  // namespace limn
