@@ -218,6 +218,10 @@ absl::StatusOr<JobSpec> EvaluateSpecFromProto(const v1::InterpolateHeader& heade
     return Invalid("mesh.encoding", "a quantised mesh has lost the order of its faces",
                    "Use a lossless encoding: parameters name faces by their numbers");
   }
+  if (spec.repair) {
+    return Invalid("output.repair", "repair gives faces other numbers, which parameters name",
+                   "Leave it off, and send a mesh that is repaired already");
+  }
   spec.engine.keep_patches = true;
   return spec;
 }
