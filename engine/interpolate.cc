@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
+#include "engine/constraints/fair.h"
 #include "engine/constraints/perturb.h"
 #include "engine/constraints/vertex_plan.h"
 #include "engine/limit/doo_sabin_limit.h"

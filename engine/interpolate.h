@@ -16,6 +16,7 @@
 #include "engine/base/context.h"
 #include "engine/base/vec3.h"
 #include "engine/constraints/constraints.h"
+#include "engine/constraints/fair.h"
 #include "engine/limit/tessellation.h"
 #include "engine/mesh/polygon_mesh.h"
 #include "engine/refine/doo_sabin_rule.h"
@@ -61,10 +62,12 @@ struct InterpolateResult {
   // The limit surface; its first vertices are the limit points of the input's vertices, in order.
   // Empty without `surface`.
   Tessellation surface;
+  // With `fair`, where a surface or its patches were asked for.
+  std::optional<FairnessReport> fairness;
   // With `keep_patches`.
   std::optional<DooSabinSurface> patches;
   // In the order in which they ran: "build", "solve", and with a surface "first_refinement",
-  // "perturb", "refine", "limit".
+  // "perturb", "fair" if asked for, "refine", "limit".
   std::vector<StageTime> stages;
 };
 

@@ -86,6 +86,7 @@ absl::Status Job::Run(std::string encoded_mesh) {
   LIMN_ASSIGN_OR_RETURN(InterpolateResult result, Interpolate(context_, mesh_, spec_.engine));
   stages_.insert(stages_.end(), result.stages.begin(), result.stages.end());
   solve_ = result.solve;
+  fairness_ = result.fairness;
   surface_ = std::move(result.surface);
   patches_ = std::move(result.patches);
   certificate_.emplace(std::exchange(mesh_.positions, std::move(result.control_positions)),
@@ -255,6 +256,7 @@ void Job::FillSummary(v1::Summary* summary) {
   *summary->mutable_certificate() = CertificateToProto(certificate_->Finish());
   summary->mutable_certificate()->set_after_encoding(spec_.send_surface);
 
+  if (fairness_.has_value()) *summary->mutable_fairness() = FairnessToProto(*fairness_);
   if (spec_.repair) *summary->mutable_repair() = RepairToProto(repaired_.report);
 
   for (const StageTime& stage : stages_) {

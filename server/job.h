@@ -85,6 +85,7 @@ class Job {
   RepairedMesh repaired_;
   std::optional<wire::MappingReader> mapping_;
   SolveReport solve_;
+  std::optional<FairnessReport> fairness_;
   Tessellation surface_;
   std::optional<DooSabinSurface> patches_;
   std::optional<CertificateBuilder> certificate_;

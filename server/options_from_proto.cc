@@ -248,6 +248,15 @@ v1::SolveOptions::Rule RuleToProto(FirstRule rule) {
   return v1::SolveOptions::RULE_UNSPECIFIED;
 }
 
+v1::FairnessReport FairnessToProto(const FairnessReport& report) {
+  v1::FairnessReport told;
+  told.set_energy_before(report.energy_before);
+  told.set_energy_after(report.energy_after);
+  told.set_shape_handles(report.shape_handles);
+  told.set_smoothing(report.smoothing);
+  return told;
+}
+
 v1::RepairReport RepairToProto(const RepairReport& report) {
   v1::RepairReport told;
   told.set_degenerate_faces_removed(report.degenerate_faces_removed);

@@ -23,6 +23,7 @@ struct JobOptions {
   std::optional<std::uint32_t> max_sweeps;
   std::optional<std::uint32_t> quantization_bits;
   bool repair = false;
+  bool fair = false;
 };
 
 // Adds the flags. Values out of range end the parse with a CLI::ValidationError.

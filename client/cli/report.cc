@@ -71,6 +71,16 @@ std::string CertificateRows(const v1::Certificate& certificate) {
 }
 
 // A row for each kind of change.
+std::string FairnessRow(const v1::FairnessReport& fairness) {
+  const bool both = fairness.shape_handles() && fairness.smoothing();
+  const std::string cures = both                       ? "handles and smoothing"
+                            : fairness.shape_handles() ? "handles"
+                            : fairness.smoothing()     ? "smoothing"
+                                                       : "nothing lowers it";
+  return Row("bending energy", absl::StrFormat("%.6g, before %.6g (%s)", fairness.energy_after(),
+                                               fairness.energy_before(), cures));
+}
+
 std::string RepairRows(const v1::RepairReport& repair) {
   const std::pair<std::uint64_t, std::string_view> changes[] = {
       {repair.degenerate_faces_removed(), "degenerate faces removed"},
@@ -105,6 +115,7 @@ std::string SummaryTable(const v1::Summary& summary) {
   std::string table;
   table += Row("given vertices", WithCommas(summary.input_vertices()));
   table += Row("given faces", WithCommas(summary.input_faces()));
+  if (summary.has_fairness()) table += FairnessRow(summary.fairness());
   if (summary.has_repair()) table += RepairRows(summary.repair());
   if (summary.surface_vertices() > 0) {
     table += Row("surface vertices", WithCommas(summary.surface_vertices()));

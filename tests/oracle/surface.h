@@ -33,7 +33,7 @@ inline DooSabinSurface SurfaceOf(const PolygonMesh& given) {
   EXPECT_TRUE(
       FirstRefinement(context, surface.mesh, control, absl::MakeSpan(surface.corners)).ok());
   EXPECT_TRUE(
-      PerturbToInterpolate(context, surface.mesh, given.positions, absl::MakeSpan(surface.corners))
+      PerturbToInterpolate(context, {surface.mesh, given.positions}, absl::MakeSpan(surface.corners))
           .ok());
   return surface;
 }
