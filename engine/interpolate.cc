@@ -156,11 +156,16 @@ class Pipeline {
       return FirstRefinement(context_, patches.mesh, result_.control_positions,
                              absl::MakeSpan(patches.corners), options_.rule);
     }));
-    return Stage("perturb", [&] {
+    LIMN_RETURN_IF_ERROR(Stage("perturb", [&] {
       return PerturbToInterpolate(
           context_,
           {.mesh = patches.mesh, .points = points_, .plan = &plan_, .boundary = &patches.boundary},
           absl::MakeSpan(patches.corners));
+    }));
+    if (!options_.fair) return absl::OkStatus();
+    return Stage("fair", [&]() -> absl::Status {
+      LIMN_ASSIGN_OR_RETURN(result_.fairness, Fair(context_, {.plan = &plan_}, &patches));
+      return absl::OkStatus();
     });
   }
 
