@@ -47,7 +47,8 @@ class Repairer {
       LIMN_RETURN_IF_ERROR(edges.Fill(context_, input_.vertex_count(), patchwork_));
       Report(0.4);
       if (options_.repeated_faces) {
-        LIMN_RETURN_IF_ERROR(repair::RemoveRepeatedFaces(context_, edges, &patchwork_, &report()));
+        LIMN_RETURN_IF_ERROR(
+            repair::RemoveRepeatedFaces(context_, edges, options_.folds, &patchwork_, &report()));
       }
       LIMN_RETURN_IF_ERROR(repair::GlueEdges(context_, edges, &patchwork_, &crowded));
     }

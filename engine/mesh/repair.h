@@ -12,10 +12,10 @@
 //   2. Repeated faces. Of faces with the same vertices in the same cyclic order, forwards or
 //      backwards, the first stays. The exception are two faces back to back that share all their
 //      edges with no other face: they are a closed surface of two faces, and a sound one.
-//      A face that stayed for as many faces one way round as the other is a fold without thickness,
-//      or a wall between two solids. Such faces, together with those they share edges with that no
-//      other faces have, go altogether if at every edge along their rim two other faces or more
-//      are left: what they hang on is as closed without them.
+//      Folds. A face that stayed for as many faces one way round as the other is part of a fold
+//      without thickness or of a wall between two solids. Such faces, together with those that
+//      they share edges with that no other faces have, go altogether if they hang on others, and
+//      at every edge where they do on two or more: what they hang on is as closed without them.
 //   3. Orientation. Components are what hangs together by edges of two faces. In each, the
 //      orientation that most of its faces have wins, with as many of either that of its first
 //      face; the other faces are turned round (their first corner stays). Where there is no
@@ -55,6 +55,8 @@ struct RepairOptions {
   bool degenerate_faces = true;
   // Step 2. Off: repeated faces are taken apart like any others.
   bool repeated_faces = true;
+  // Step 2, the second part, which needs the first.
+  bool folds = true;
   // Step 3.
   bool orientation = true;
   // Steps 4 and 5.
@@ -69,7 +71,7 @@ struct RepairReport {
   std::uint64_t degenerate_faces_removed = 0;
   // Input faces that visited a vertex more than once and of which something is left.
   std::uint64_t faces_mended = 0;
-  // Faces left out by step 2: those that repeat an earlier one, and the first ones of folds.
+  // Faces left out by step 2: those that repeat an earlier one, and the earlier ones in folds.
   std::uint64_t repeated_faces_removed = 0;
   std::uint64_t folded_faces_removed = 0;
   // Faces turned round.

@@ -129,9 +129,10 @@ struct EdgeList {
 [[nodiscard]] absl::Status CleanFaces(const Context& context, const PolygonMesh& mesh, bool mend,
                                       Patchwork* patchwork, RepairReport* report);
 
-// Step 2.
+// Step 2; folds: whether they are removed too.
 [[nodiscard]] absl::Status RemoveRepeatedFaces(const Context& context, const EdgeTable& edges,
-                                               Patchwork* patchwork, RepairReport* report);
+                                               bool folds, Patchwork* patchwork,
+                                               RepairReport* report);
 
 // Glues the sides of every edge of two live faces, and lists the edges of more.
 [[nodiscard]] absl::Status GlueEdges(const Context& context, const EdgeTable& edges,

@@ -129,7 +129,8 @@ class RepeatFinder {
   Buffer<std::uint8_t> folded_;
 };
 
-// Folds hang together across edges of folded faces only. All their other edges are their rim.
+// Folds hang together across edges of folded faces only. Edges that they share with others are
+// their rim.
 class FoldRemover {
  public:
   FoldRemover(const Context& context, const EdgeTable& edges, const Buffer<std::uint8_t>& folded,
@@ -168,7 +169,7 @@ class FoldRemover {
 
  private:
   // What the rim of a face or fold is like; bits.
-  enum Rim : std::uint8_t { kNone = 0, kHangs = 1, kFree = 2 };
+  enum Rim : std::uint8_t { kNone = 0, kHangs = 1, kHeld = 2 };
 
   void LookAtEdge(absl::Span<const EdgeTable::Entry> sides) {
     std::size_t others = 0;
@@ -182,11 +183,11 @@ class FoldRemover {
         faces_.push_back(f);
       }
     }
-    if (others == 0 && faces_.size() >= 2) {
+    if (others == 0) {
       for (const Index f : faces_) folds_.Merge(faces_[0], f);
       return;
     }
-    for (const Index f : faces_) rim_[f] |= others >= 2 ? kHangs : kFree;
+    for (const Index f : faces_) rim_[f] |= others == 1 ? kHeld : kHangs;
   }
 
   const Context& context_;
@@ -202,16 +203,16 @@ class FoldRemover {
 
 }  // namespace
 
-absl::Status RemoveRepeatedFaces(const Context& context, const EdgeTable& edges,
+absl::Status RemoveRepeatedFaces(const Context& context, const EdgeTable& edges, bool folds,
                                  Patchwork* patchwork, RepairReport* report) {
   RepeatFinder repeats(context, edges, patchwork);
   LIMN_RETURN_IF_ERROR(repeats.Run());
   report->repeated_faces_removed = static_cast<std::uint64_t>(
       std::count(patchwork->state.begin(), patchwork->state.end(), FaceState::kRemoved));
-  if (report->repeated_faces_removed == 0) return context.Check();
-  FoldRemover folds(context, edges, repeats.folded(), patchwork);
-  LIMN_RETURN_IF_ERROR(folds.Run());
-  report->folded_faces_removed = folds.removed();
+  if (!folds || report->repeated_faces_removed == 0) return context.Check();
+  FoldRemover remover(context, edges, repeats.folded(), patchwork);
+  LIMN_RETURN_IF_ERROR(remover.Run());
+  report->folded_faces_removed = remover.removed();
   return context.Check();
 }
 

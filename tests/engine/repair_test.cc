@@ -206,20 +206,30 @@ TEST(Repair, WallsBetweenSolidsVanish) {
   }
 }
 
-TEST(Repair, DoubleSidedFlapsAndFacesThatCloseASurfaceStay) {
-  PolygonMesh cube = oracle::Cube();
-  cube.positions.push_back({9, 9, 9});
-  const auto a = cube.corner_vertex[0];
-  const auto b = cube.corner_vertex[1];
-  // On an edge of the cube; two of its sides are free.
-  PolygonMesh flap = cube;
-  flap.AddFace({a, b, 8});
-  flap.AddFace({b, a, 8});
-  EXPECT_EQ(Checked(flap).report.folded_faces_removed, 0U);
-  // A face of the cube, backwards.
-  PolygonMesh twice = oracle::Cube();
-  twice.AddFace({twice.corner_vertex[2], b, a, twice.corner_vertex[3]});
-  EXPECT_EQ(RepairOrDie(twice).mesh, oracle::Cube());
+TEST(Repair, FoldsVanishWhereTheyHangOnASurface) {
+  const PolygonMesh cube = oracle::Cube();
+  const Index a = cube.corner_vertex[0];
+  const Index b = cube.corner_vertex[1];
+  // A fold of four faces on an edge, two one way round and two the other.
+  PolygonMesh fold = cube;
+  fold.positions.push_back({7, 8, 9});
+  fold.positions.push_back({9, 9, 9});
+  for (const auto& face : Faces{{a, b, 8}, {a, 8, 9}, {8, b, a}, {9, 8, a}}) fold.AddFace(face);
+  const RepairedMesh repaired = Checked(fold);
+  EXPECT_EQ(repaired.mesh, cube);
+  EXPECT_EQ(repaired.report.repeated_faces_removed, 2U);
+  EXPECT_EQ(repaired.report.folded_faces_removed, 2U);
+  EXPECT_EQ(repaired.report.isolated_vertices_removed, 2U);
+  EXPECT_EQ(RepairOrDie(fold, {.folds = false}).mesh.face_count(), 8U);
+
+  // Given once more one way round, the first face is none of a fold, and holds the other.
+  PolygonMesh fin = fold;
+  fin.AddFace({a, b, 8});
+  EXPECT_EQ(Checked(fin).report.folded_faces_removed, 0U);
+  // A face of the cube itself, given again backwards, is not missed on one side only.
+  PolygonMesh twice = cube;
+  twice.AddFace({cube.corner_vertex[2], b, a, cube.corner_vertex[3]});
+  EXPECT_EQ(Checked(twice).mesh, cube);
 }
 
 // Step 3.

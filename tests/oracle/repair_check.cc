@@ -145,49 +145,45 @@ class Checker {
     faces_ = left;
   }
 
+  // folded: faces that stand for as many faces of either way round.
   static void RemoveFolds(const std::map<Edge, std::vector<std::size_t>>& at_edge,
-                          std::set<std::size_t> folded, std::set<std::size_t>* removed) {
-    std::map<Edge, std::vector<std::size_t>> left;
+                          const std::set<std::size_t>& folded, std::set<std::size_t>* removed) {
+    // Folded faces that have a common edge with no others, again and again.
+    std::map<std::size_t, std::size_t> fold;
+    for (const std::size_t f : folded) fold[f] = f;
+    std::map<Edge, std::vector<std::size_t>> folded_at;
+    std::map<Edge, std::size_t> others_at;
     for (const auto& [edge, at] : at_edge) {
       for (const std::size_t f : at) {
-        if (removed->count(f) == 0) left[edge].push_back(f);
+        if (removed->count(f) != 0) continue;
+        if (folded.count(f) != 0) {
+          folded_at[edge].push_back(f);
+        } else {
+          ++others_at[edge];
+        }
       }
     }
-    const std::set<std::size_t> candidates = folded;
-    // A folded face stays if an edge of it would lose what it hangs on, or if a face of its fold
-    // stays.
     for (bool changed = true; changed;) {
       changed = false;
-      for (const auto& [edge, at] : left) {
-        std::vector<std::size_t> others;
+      for (const auto& [edge, at] : folded_at) {
         for (const std::size_t f : at) {
-          if (candidates.count(f) == 0) others.push_back(f);
-        }
-        const bool inside = others.empty() && at.size() > 1;
-        const bool all =
-            std::all_of(at.begin(), at.end(), [&](std::size_t f) { return folded.count(f) != 0; });
-        for (const std::size_t f : at) {
-          if (folded.count(f) == 0) continue;
-          const bool stays = inside ? !all : others.size() < 2;
-          if (stays) changed = folded.erase(f) != 0 || changed;
+          if (others_at[edge] > 0 || fold[f] == fold[at[0]]) continue;
+          fold[f] = fold[at[0]] = std::min(fold[f], fold[at[0]]);
+          changed = true;
         }
       }
     }
-    // One that hangs on nothing is a surface of its own.
     std::set<std::size_t> hanging;
-    for (bool changed = true; changed;) {
-      changed = false;
-      for (const auto& [edge, at] : left) {
-        bool hangs = false;
-        for (const std::size_t f : at) {
-          hangs = hangs || candidates.count(f) == 0 || hanging.count(f) != 0;
-        }
-        for (const std::size_t f : at) {
-          if (hangs && folded.count(f) != 0) changed = hanging.insert(f).second || changed;
-        }
+    std::set<std::size_t> held;
+    for (const auto& [edge, at] : folded_at) {
+      for (const std::size_t f : at) {
+        if (others_at[edge] == 1) held.insert(fold[f]);
+        if (others_at[edge] > 1) hanging.insert(fold[f]);
       }
     }
-    removed->insert(hanging.begin(), hanging.end());
+    for (const auto& [f, name] : fold) {
+      if (hanging.count(name) != 0 && held.count(name) == 0) removed->insert(f);
+    }
   }
 
   bool FacesAreThoseThatShouldBeLeft() {
