@@ -56,6 +56,12 @@ absl::Status CheckOptions(const Context& context, const PolygonMesh& mesh,
         "this scheme is not built yet",
         {.reason = Reason::kUnimplemented, .field = "scheme", .remedy = "Choose Doo-Sabin"});
   }
+  if (options.chord_tolerance.has_value()) {
+    return MakeError("tessellation to a chord tolerance is not built yet",
+                     {.reason = Reason::kUnimplemented,
+                      .field = "surface.chord_tolerance",
+                      .remedy = "Choose a level"});
+  }
   LIMN_RETURN_IF_ERROR(ValidateSolveOptions(options.solve));
   if (options.surface && options.level > context.limits().max_level) {
     return MakeError(absl::StrCat("the level is ", options.level),

@@ -39,7 +39,7 @@ struct InterpolateOptions {
   // Refinements of the input's connectivity in the tessellation, 0 to Limits::max_level.
   std::uint32_t level = 2;
   // Instead of a level: the smallest one whose guaranteed deviation from the limit surface is at
-  // most this, in model units; greater than 0. See engine/limit/chord_bound.h.
+  // most this, in model units; greater than 0. Not built yet: UNIMPLEMENTED.
   std::optional<double> chord_tolerance;
   // Whether to tessellate; without, only the control mesh is found.
   bool surface = true;
