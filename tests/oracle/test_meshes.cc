@@ -343,6 +343,26 @@ PolygonMesh Shuffled(const PolygonMesh& mesh, std::uint64_t seed) {
   return shuffled;
 }
 
+PolygonMesh Triangulated(const PolygonMesh& mesh) {
+  PolygonMesh triangles;
+  triangles.positions = mesh.positions;
+  for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+    const auto face = mesh.face(f);
+    if (face.size() == 3) {
+      triangles.AddFace(face);
+      continue;
+    }
+    Vec3 sum = {0, 0, 0};
+    for (const Index v : face) sum += mesh.positions[v];
+    const Index middle = static_cast<Index>(triangles.vertex_count());
+    triangles.positions.push_back((1.0 / static_cast<double>(face.size())) * sum);
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      Add(&triangles, {face[i], face[(i + 1) % face.size()], middle});
+    }
+  }
+  return triangles;
+}
+
 std::vector<std::string> ClosedMeshNames() {
   std::vector<std::string> names;
   for (const auto& [name, maker] : ClosedMakers()) names.push_back(name);

@@ -48,6 +48,8 @@ PolygonMesh Jittered(PolygonMesh mesh, std::uint64_t seed, double amount);
 PolygonMesh Moved(PolygonMesh mesh, double factor, const Vec3& offset);
 // Corners, faces and vertices renumbered at random.
 PolygonMesh Shuffled(const PolygonMesh& mesh, std::uint64_t seed);
+// Faces that are not triangles are cut into some, around a new vertex in their middle.
+PolygonMesh Triangulated(const PolygonMesh& mesh);
 
 // Closed meshes of at most 400 vertices, by name; the seeds of random ones are in their names.
 std::vector<std::string> ClosedMeshNames();
