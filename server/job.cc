@@ -5,6 +5,8 @@
 #include <chrono>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
 #include "absl/types/span.h"
 #include "engine/base/error.h"
 
@@ -29,6 +31,15 @@ bool Touches(const Tessellation& surface, const wire::TileRange& range, std::uin
                      [&](Index vertex) { return vertex < vertices; });
 }
 
+// An error about a mesh that is not the one that was sent.
+absl::Status AfterRepair(const absl::Status& status) {
+  const std::optional<ErrorDetail> detail = GetErrorDetail(status);
+  if (status.code() != absl::StatusCode::kInvalidArgument || !detail.has_value()) return status;
+  absl::string_view message = status.message();
+  if (!detail->remedy.empty()) message.remove_suffix(detail->remedy.size() + 2);
+  return MakeError(absl::StrCat("after repair: ", message), *detail);
+}
+
 }  // namespace
 
 Job::Job(JobSpec spec, Context context)
@@ -50,7 +61,9 @@ absl::Status Job::Run(std::string encoded_mesh) {
   AddStage("decode", MillisecondsSince(start));
   if (spec_.repair) LIMN_RETURN_IF_ERROR(RepairMesh());
 
-  LIMN_ASSIGN_OR_RETURN(InterpolateResult result, Interpolate(context_, mesh_, spec_.engine));
+  absl::StatusOr<InterpolateResult> interpolated = Interpolate(context_, mesh_, spec_.engine);
+  if (!interpolated.ok() && mapping_.has_value()) return AfterRepair(interpolated.status());
+  LIMN_ASSIGN_OR_RETURN(InterpolateResult result, std::move(interpolated));
   stages_.insert(stages_.end(), result.stages.begin(), result.stages.end());
   solve_ = result.solve;
   surface_ = std::move(result.surface);

@@ -38,9 +38,10 @@ TEST_F(CommandLineE2e, HelpNamesEveryCommandAndFlagOnStandardOutput) {
   }
   const RunResult interpolate = space_.Limn({"interpolate", "--help"});
   EXPECT_EQ(interpolate.status, 0);
-  for (const char* word : {"--scheme", "--level", "--control-mesh", "--report", "--solver",
-                           "--tolerance", "--max-sweeps", "--threads", "--server", "--encoding",
-                           "--quantization-bits", "--deadline", "--quiet", "--output"}) {
+  for (const char* word :
+       {"--scheme", "--level", "--control-mesh", "--report", "--solver", "--tolerance",
+        "--max-sweeps", "--threads", "--server", "--encoding", "--quantization-bits", "--deadline",
+        "--quiet", "--output", "--repair"}) {
     EXPECT_NE(interpolate.output.find(word), std::string::npos) << word;
   }
   const RunResult generate = space_.Limn({"generate", "--help"});
