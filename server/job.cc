@@ -5,6 +5,8 @@
 #include <chrono>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
 #include "absl/types/span.h"
 #include "engine/base/error.h"
 #include "engine/constraints/renumber.h"
@@ -57,6 +59,15 @@ void CertifyTile(const wire::DecodedTile& tile, CertificateBuilder* certificate)
   }
 }
 
+// An error about a mesh that is not the one that was sent.
+absl::Status AfterRepair(const absl::Status& status) {
+  const std::optional<ErrorDetail> detail = GetErrorDetail(status);
+  if (status.code() != absl::StatusCode::kInvalidArgument || !detail.has_value()) return status;
+  absl::string_view message = status.message();
+  if (!detail->remedy.empty()) message.remove_suffix(detail->remedy.size() + 2);
+  return MakeError(absl::StrCat("after repair: ", message), *detail);
+}
+
 }  // namespace
 
 Job::Job(JobSpec spec, Context context)
@@ -83,7 +94,9 @@ absl::Status Job::Run(std::string encoded_mesh) {
     LIMN_RETURN_IF_ERROR(wire::FitLargestFace(mesh_, spec_.engine.normals, &tile_options_));
   }
 
-  LIMN_ASSIGN_OR_RETURN(InterpolateResult result, Interpolate(context_, mesh_, spec_.engine));
+  absl::StatusOr<InterpolateResult> interpolated = Interpolate(context_, mesh_, spec_.engine);
+  if (!interpolated.ok() && mapping_.has_value()) return AfterRepair(interpolated.status());
+  LIMN_ASSIGN_OR_RETURN(InterpolateResult result, std::move(interpolated));
   stages_.insert(stages_.end(), result.stages.begin(), result.stages.end());
   solve_ = result.solve;
   fairness_ = result.fairness;

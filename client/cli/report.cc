@@ -97,8 +97,9 @@ std::string RepairRows(const v1::RepairReport& repair) {
   };
   std::string rows;
   for (const auto& [count, what] : changes) {
-    if (count > 0)
-      rows += Row(rows.empty() ? "repaired" : "", WithCommas(count).append(" ").append(what));
+    if (count == 0) continue;
+    rows += Row(rows.empty() ? "repaired" : "",
+                std::string(what).append(": ").append(WithCommas(count)));
   }
   return rows.empty() ? Row("repaired", "nothing: there was no need") : rows;
 }

@@ -67,7 +67,7 @@ class Orienter {
   bool conflict_ = false;
 };
 
-// Ungues the sides that run the same way.
+// Unglues the sides that run the same way.
 absl::Status CutConflicts(const Context& context, Patchwork* patchwork, EdgeList* cut) {
   Patchwork& p = *patchwork;
   return ForInOrder(context, p.corner_count(), [&](std::size_t begin, std::size_t end) {

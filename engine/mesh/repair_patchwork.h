@@ -13,6 +13,7 @@
 #include "absl/types/span.h"
 #include "engine/base/buffer.h"
 #include "engine/base/context.h"
+#include "engine/base/disjoint_sets.h"
 #include "engine/mesh/polygon_mesh.h"
 #include "engine/mesh/repair.h"
 
@@ -134,6 +135,12 @@ struct EdgeList {
                                                bool folds, Patchwork* patchwork,
                                                RepairReport* report);
 
+// Of step 2 the second part. folded: per face, whether it stands for as many faces of either way
+// round.
+[[nodiscard]] absl::Status RemoveFolds(const Context& context, const EdgeTable& edges,
+                                       const Buffer<std::uint8_t>& folded, Patchwork* patchwork,
+                                       RepairReport* report);
+
 // Glues the sides of every edge of two live faces, and lists the edges of more.
 [[nodiscard]] absl::Status GlueEdges(const Context& context, const EdgeTable& edges,
                                      Patchwork* patchwork, EdgeList* crowded);
@@ -146,18 +153,23 @@ struct EdgeList {
 [[nodiscard]] absl::Status PairCrowdedEdges(const Context& context, const EdgeList& crowded,
                                             Patchwork* patchwork);
 
+// Merges the corners at both ends of all glued sides. A corner has two sides, each glued to at most
+// one other, so the faces of a class of corners form one fan or one ring: an umbrella.
+[[nodiscard]] absl::Status JoinCorners(const Context& context, const Patchwork& patchwork,
+                                       DisjointSets* corners);
+
+// Step 5, the second part: unglues what would share both ends with another edge. Looks at the given
+// edges only; no others can.
+[[nodiscard]] absl::Status SplitOffFaces(const Context& context,
+                                         absl::Span<const EdgeList* const> edges,
+                                         Patchwork* patchwork, RepairReport* report);
+
 // Where each corner's vertex is in the repaired mesh, and where that comes from.
 struct VertexNumbers {
   Buffer<Index> corner_vertex;
   Buffer<Index> original_vertex;
   std::size_t kept = 0;
 };
-
-// Step 5, the second part: ungues what would share both ends with another edge. Looks at the given
-// edges only; no others can.
-[[nodiscard]] absl::Status SplitOffFaces(const Context& context,
-                                         absl::Span<const EdgeList* const> edges,
-                                         Patchwork* patchwork, RepairReport* report);
 
 // Step 5, the first part, with options.non_manifold, and step 6. Mates are gone afterwards.
 [[nodiscard]] absl::StatusOr<VertexNumbers> NumberVertices(const Context& context,

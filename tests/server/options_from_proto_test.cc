@@ -181,6 +181,7 @@ TEST(JobSpecTest, AbsentFieldsTakeTheDefaultsOfTheContract) {
   EXPECT_FALSE(spec->send_control_mesh);
   EXPECT_FALSE(spec->send_surface);
   EXPECT_FALSE(spec->send_normals);
+  EXPECT_FALSE(spec->repair);
   EXPECT_EQ(spec->tiles.encoding, v1::MESH_ENCODING_PACKED);
   EXPECT_EQ(spec->tiles.quantization_bits, 16);
   EXPECT_EQ(spec->tiles.tile_bytes, 512U << 10);
@@ -199,6 +200,7 @@ TEST(JobSpecTest, GivenFieldsReachEngineAndCodec) {
   header.mutable_output()->set_encoding(v1::MESH_ENCODING_DRACO_QUANTIZED);
   header.mutable_output()->set_quantization_bits(30);
   header.mutable_output()->set_tile_bytes(1 << 20);
+  header.mutable_output()->set_repair(true);
   const absl::StatusOr<JobSpec> spec = JobSpecFromProto(header);
   ASSERT_TRUE(spec.ok()) << spec.status();
   EXPECT_EQ(spec->engine.solve.method, SolveMethod::kJacobi);
@@ -216,6 +218,7 @@ TEST(JobSpecTest, GivenFieldsReachEngineAndCodec) {
   EXPECT_EQ(spec->tiles.encoding, v1::MESH_ENCODING_DRACO_QUANTIZED);
   EXPECT_EQ(spec->tiles.quantization_bits, 30);
   EXPECT_EQ(spec->tiles.tile_bytes, 1U << 20);
+  EXPECT_TRUE(spec->repair);
 }
 
 TEST(JobSpecTest, AChordToleranceReachesTheEngineWhereASurfaceIsSent) {
