@@ -153,19 +153,42 @@ TEST(ServiceRepairTest, WithoutItTheRefusalNamesIt) {
   EXPECT_NE(status.message().find("--repair"), std::string_view::npos) << status;
 }
 
-TEST(ServiceRepairTest, ErrorsOfTheRepairedMeshSayThatItIsMeant) {
-  // Without a face, and with one to remove before the hole.
+TEST(ServiceRepairTest, AMeshThatIsOpenAfterRepairIsInterpolated) {
+  // With a face to remove before the hole.
   const PolygonMesh sphere = MakeSphere(100);
   PolygonMesh open;
   open.positions = sphere.positions;
   open.AddFace({0, 1});
   for (std::size_t f = 1; f < sphere.face_count(); ++f) open.AddFace(sphere.face(f));
   const std::unique_ptr<Server> server = StartServer();
-  const absl::Status status =
-      Client(server->InProcessChannel()).Run(RepairHeader(1), open).status();
-  EXPECT_EQ(ReasonOf(status), Reason::kOpenMesh);
-  EXPECT_EQ(status.message().find("after repair: open mesh"), 0U) << status;
-  EXPECT_EQ(status.message().find("closed meshes"), status.message().rfind("closed meshes"));
+  const auto result = Client(server->InProcessChannel()).Run(RepairHeader(1), open);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->summary.repair().degenerate_faces_removed(), 1U);
+  EXPECT_LE(result->summary.certificate().max_error(),
+            1e-12 * result->summary.certificate().bounding_box_diagonal());
+}
+
+// Constraints name the vertices that were sent, not those that repair made of them.
+TEST(ServiceRepairTest, ConstraintsFollowTheirVertices) {
+  PolygonMesh broken = MakeSphere(100);
+  broken.positions.insert(broken.positions.begin(), Vec3{9, 9, 9});
+  for (Index& v : broken.corner_vertex) ++v;
+  const std::unique_ptr<Server> server = StartServer();
+  v1::InterpolateHeader header = RepairHeader(1);
+  header.mutable_constraints()->mutable_interpolate()->add_vertices(100);
+  v1::NormalConstraint& normal = *header.mutable_constraints()->add_normals();
+  normal.set_vertex(100);
+  normal.mutable_normal()->set_x(1);
+  const auto result = Client(server->InProcessChannel()).Run(header, broken);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->summary.certificate().points_checked(), 1U);
+  EXPECT_LE(result->summary.certificate().max_error(), 1e-12);
+  EXPECT_LE(result->summary.certificate().max_normal_deviation(), 1e-6);
+  EXPECT_EQ(result->summary.input_vertices(), 101U);
+  header.mutable_constraints()->mutable_interpolate()->set_vertices(0, 0);
+  header.mutable_constraints()->clear_normals();
+  const absl::Status left_out = Client(server->InProcessChannel()).Run(header, broken).status();
+  EXPECT_EQ(GetErrorDetail(left_out)->field, "constraints.interpolate.vertices[0]");
 }
 
 TEST(ServiceRepairTest, WhatCannotBeRepairedKeepsItsError) {
