@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "server/admission.h"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -8,6 +9,7 @@
 #include "absl/strings/string_view.h"
 #include "engine/base/error.h"
 #include "engine/limit/certificate.h"
+#include "engine/mesh/repair.h"
 #include "proto/wire/samples.h"
 #include "proto/wire/status.h"
 #include "server/constraints_from_proto.h"
@@ -40,12 +42,24 @@ absl::Status TooLarge(absl::string_view field, absl::string_view message, absl::
 
 std::uint64_t EstimateJobBytes(const JobSpec& spec) {
   // The claims are held against limits below 2^33 before this is called, so products fit.
-  const std::uint64_t vertices = spec.mesh.vertex_count();
-  const std::uint64_t faces = spec.mesh.face_count();
+  std::uint64_t vertices = spec.mesh.vertex_count();
+  std::uint64_t faces = spec.mesh.face_count();
   const std::uint64_t corners = spec.mesh.corner_count();
-  const std::uint64_t decoded = vertices * sizeof(Vec3) + (faces + 1 + corners) * sizeof(Index);
-  std::uint64_t bytes = SaturatingAdd(spec.mesh.byte_count(), decoded);
-  bytes = SaturatingAdd(bytes, EstimateBytes(vertices, faces, corners, spec.engine));
+  const auto decoded_bytes = [&] {
+    return vertices * sizeof(Vec3) + (faces + 1 + corners) * sizeof(Index);
+  };
+  std::uint64_t decoded = decoded_bytes();
+  std::uint64_t repair = 0;
+  if (spec.repair) {
+    repair = SaturatingAdd(decoded, EstimateRepairBytes(vertices, faces, corners));
+    // What may come of it; every corner may get a vertex of its own, and faces fall into triangles.
+    vertices = std::max(vertices, corners);
+    faces = std::max(faces, corners / 3);
+    decoded = decoded_bytes() + (vertices + faces) * sizeof(Index);
+  }
+  const std::uint64_t engine =
+      SaturatingAdd(decoded, EstimateBytes(vertices, faces, corners, spec.engine));
+  std::uint64_t bytes = SaturatingAdd(spec.mesh.byte_count(), std::max(repair, engine));
   if (spec.send_control_mesh) bytes = SaturatingAdd(bytes, decoded);
   const Constraints& constraints = spec.engine.constraints;
   bytes = SaturatingAdd(bytes, CertificateBuilder::Bytes(vertices, constraints.normals.size()));
@@ -79,7 +93,8 @@ void Admission::Reservation::Release() {
 }
 
 absl::StatusOr<Admission::Ticket> Admission::Admit(const JobSpec& spec) {
-  LIMN_RETURN_IF_ERROR(wire::CheckHeader(EngineLimits(limits_), spec.mesh));
+  LIMN_RETURN_IF_ERROR(
+      wire::CheckHeader(EngineLimits(limits_), spec.mesh, {.any_arity = spec.repair}));
   if (spec.mesh.byte_count() > limits_.max_mesh_bytes) {
     return TooLarge(
         "mesh.byte_count",

@@ -13,9 +13,9 @@
 
 namespace limn {
 
-// Bytes that a job needs at its peak: the encoded and the decoded mesh, the engine's arrays, the
-// encoded control mesh, the constraints, the certificate and the messages that wait, parameters
-// among them. Saturates.
+// Bytes that a job needs at its peak: the encoded and the decoded mesh, the arrays of repair and of
+// the engine, the encoded control mesh, the constraints, the certificate and the messages that
+// wait, parameters among them. Saturates. With repair it reckons with the worst mesh of that size.
 [[nodiscard]] std::uint64_t EstimateJobBytes(const JobSpec& spec);
 
 // Thread-safe. Must outlive its tickets.

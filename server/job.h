@@ -15,8 +15,10 @@
 #include "engine/base/context.h"
 #include "engine/interpolate.h"
 #include "engine/limit/certificate.h"
+#include "engine/mesh/repair.h"
 #include "limn/v1/interpolate.pb.h"
 #include "proto/wire/chunks.h"
+#include "proto/wire/repair_mapping.h"
 #include "server/options_from_proto.h"
 
 namespace limn {
@@ -36,12 +38,13 @@ class Job {
   // A stage that went before Run, for the summary.
   void AddStage(std::string_view stage, double milliseconds);
 
-  // Decodes the mesh, computes, and encodes the control mesh: all that may take long. Runs in the
-  // caller's arena. Errors: those of wire::DecodeMesh, Interpolate and wire::EncodeMesh.
+  // Decodes the mesh, repairs it if that was asked for, computes, and encodes the control mesh: all
+  // that may take long. Runs in the caller's arena. Errors: those of wire::DecodeMesh, Repair,
+  // Interpolate and wire::EncodeMesh.
   [[nodiscard]] absl::Status Run(std::string encoded_mesh);
 
-  // Fills the next message of the answer: control mesh, tiles, summary. False: there is none left.
-  // Cost: linear in a tile. Errors: those of wire::EncodeTile.
+  // Fills the next message of the answer: repair, control mesh, tiles, summary. False: there is
+  // none left. Cost: linear in a tile. Errors: those of wire::EncodeTile.
   [[nodiscard]] absl::StatusOr<bool> NextMessage(v1::InterpolateResponse* message);
 
   // After Run, the surface itself, if the spec keeps patches. Once.
@@ -53,28 +56,36 @@ class Job {
   std::uint64_t bytes_sent() const { return bytes_sent_; }
 
  private:
-  enum class Part { kControlHeader, kControlChunks, kTiles, kSummary, kNone };
+  enum class Part { kRepair, kControlHeader, kControlChunks, kTiles, kSummary, kNone };
 
+  [[nodiscard]] absl::Status RepairMesh();
   [[nodiscard]] absl::Status Fill(v1::InterpolateResponse* message);
   [[nodiscard]] absl::Status EncodeControlMesh();
+  Part PartAfterRepair() const;
+  void NextMappingPiece(v1::RepairReport* piece);
   void NextControlChunk(v1::ControlMeshPart* part);
   [[nodiscard]] absl::Status PlanTiles();
   [[nodiscard]] absl::Status NextTile(v1::SurfaceTile* tile);
   [[nodiscard]] absl::Status Certify(const wire::TileRange& range, const v1::SurfaceTile& tile);
   void FillSummary(v1::Summary* summary);
 
-  const JobSpec spec_;
+  JobSpec spec_;
   const Context context_;
   std::vector<StageTime> stages_;
   double encode_milliseconds_ = 0;
   std::uint64_t bytes_received_ = 0;
   std::uint64_t bytes_sent_ = 0;
 
-  // The header need not claim it.
+  // As decoded: the header need not claim them.
+  std::uint64_t input_vertices_ = 0;
   std::uint64_t input_faces_ = 0;
-  // The input; after Run with the control mesh's positions.
+  // The input, repaired if that was asked for; after Run with the control mesh's positions.
   PolygonMesh mesh_;
+  // What repair says beside the mesh, and the mapping that is still to be sent.
+  RepairedMesh repaired_;
+  std::optional<wire::MappingReader> mapping_;
   SolveReport solve_;
+  std::optional<FairnessReport> fairness_;
   Tessellation surface_;
   std::optional<DooSabinSurface> patches_;
   std::optional<CertificateBuilder> certificate_;

@@ -115,6 +115,12 @@ void AddTessellationFlags(CLI::App& app, JobOptions* options) {
                               kMostBits, " [16]"))
       ->check(CLI::Range(kLeastBits, kMostBits))
       ->type_name("N");
+  app.add_flag("--fair", options->fair,
+               "Cure overshoot where edge lengths differ, when that lowers the bending energy");
+  app.add_flag("--repair", options->repair,
+               "Mend a mesh that would be refused, and say what was changed: degenerate, repeated "
+               "and turned faces, edges of more than two faces, vertices of several fans or of no "
+               "face");
 }
 
 v1::InterpolateHeader MakeJobHeader(const JobOptions& options, const WantedOutputs& wanted) {
@@ -136,6 +142,8 @@ v1::InterpolateHeader MakeJobHeader(const JobOptions& options, const WantedOutpu
   output.set_surface(wanted.surface);
   output.set_normals(wanted.surface);
   output.set_control_mesh(wanted.control_mesh);
+  output.set_repair(options.repair);
+  header.mutable_solve()->set_fair(options.fair);
   return header;
 }
 

@@ -22,6 +22,8 @@ struct JobOptions {
   std::optional<double> tolerance;
   std::optional<std::uint32_t> max_sweeps;
   std::optional<std::uint32_t> quantization_bits;
+  bool repair = false;
+  bool fair = false;
 };
 
 // Add the flags of how the surface is found, and of its tessellation and how it travels. Values out
