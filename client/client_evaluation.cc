@@ -56,7 +56,7 @@ absl::StatusOr<ClientEvaluation> Client::SubmitEvaluation(
       send));
 }
 
-absl::StatusOr<EvaluateResult> CollectEvaluation(ClientEvaluation* call,
+absl::StatusOr<EvaluateResult> CollectEvaluation(ClientEvaluation* call, std::size_t parameters,
                                                  const Client::ProgressCallback& on_progress) {
   wire::SampleArrays samples;
   EvaluateResult result;
@@ -73,6 +73,7 @@ absl::StatusOr<EvaluateResult> CollectEvaluation(ClientEvaluation* call,
   }
   LIMN_RETURN_IF_ERROR(call->Finish());
   if (!has_summary) return BadAnswer("it has no summary");
+  if (samples.points.size() != parameters) return BadAnswer("samples are missing");
   result.points = std::move(samples.points);
   result.du = std::move(samples.du);
   result.dv = std::move(samples.dv);
@@ -87,9 +88,7 @@ absl::StatusOr<EvaluateResult> Client::Evaluate(v1::InterpolateHeader header,
   const std::size_t asked = parameters.size();
   LIMN_ASSIGN_OR_RETURN(ClientEvaluation call,
                         SubmitEvaluation(std::move(header), mesh, std::move(parameters)));
-  LIMN_ASSIGN_OR_RETURN(EvaluateResult result, CollectEvaluation(&call, on_progress));
-  if (result.points.size() != asked) return BadAnswer("samples are missing");
-  return result;
+  return CollectEvaluation(&call, asked, on_progress);
 }
 
 }  // namespace limn

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The flags of `limn interpolate` that say what the job is, and the header they make.
+// The flags that say what a job is, and the header they make.
 #pragma once
 
 #include <cstdint>
@@ -26,8 +26,10 @@ struct JobOptions {
   bool fair = false;
 };
 
-// Adds the flags. Values out of range end the parse with a CLI::ValidationError.
-void AddJobFlags(CLI::App& app, JobOptions* options);
+// Add the flags of how the surface is found, and of its tessellation and how it travels. Values out
+// of range end the parse with a CLI::ValidationError.
+void AddSolveFlags(CLI::App& app, JobOptions* options);
+void AddTessellationFlags(CLI::App& app, JobOptions* options);
 
 // What to ask the server to send back.
 struct WantedOutputs {
