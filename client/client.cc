@@ -3,7 +3,6 @@
 
 #include <grpcpp/grpcpp.h>
 
-#include <limits>
 #include <memory>
 #include <utility>
 
@@ -11,12 +10,10 @@
 #include "client/result_collector.h"
 #include "engine/base/error.h"
 #include "limn/v1/limn.grpc.pb.h"
-#include "proto/wire/chunks.h"
-#include "proto/wire/mesh_codec.h"
 #include "proto/wire/status.h"
-#include "proto/wire/tile_codec.h"
 
 namespace limn {
+
 template class ClientCall<v1::InterpolateRequest, v1::InterpolateResponse>;
 
 Client Client::Connect(const std::string& address, const ClientOptions& options) {

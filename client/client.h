@@ -115,9 +115,10 @@ class Client {
   ClientOptions options_;
 };
 
-// Takes all of a call's answer and finishes it. on_progress: as in Client::Run. Errors: the
-// call's; MALFORMED_REQUEST when the answer makes no sense.
+// Takes all of a call's answer to so many parameters and finishes it. on_progress: as in
+// Client::Run. Errors: the
+// call's; INTERNAL when the answer makes no sense.
 [[nodiscard]] absl::StatusOr<EvaluateResult> CollectEvaluation(
-    ClientEvaluation* call, const Client::ProgressCallback& on_progress);
+    ClientEvaluation* call, std::size_t parameters, const Client::ProgressCallback& on_progress);
 
 }  // namespace limn

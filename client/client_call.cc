@@ -39,6 +39,7 @@ absl::StatusOr<MeshUpload> MeshUpload::Make(v1::InterpolateHeader header, const 
       header.output().quantization_bits() != 0) {
     encode.quantization_bits = static_cast<int>(header.output().quantization_bits());
   }
+  encode.any_arity = header.output().repair();
   MeshUpload upload = {.header = std::move(header), .chunk_bytes = options.chunk_bytes};
   LIMN_ASSIGN_OR_RETURN(upload.mesh, wire::EncodeMesh(Context{}, mesh, encode));
   *upload.header.mutable_mesh() = upload.mesh.header;

@@ -2,8 +2,10 @@
 // The rpc Evaluate of the client.
 #include <algorithm>
 #include <memory>
+#include <string>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "absl/types/span.h"
 #include "client/client_call.h"
 #include "engine/base/error.h"
@@ -15,9 +17,9 @@ namespace {
 // Parameters per message: some hundred KiB up, a few messages down.
 constexpr std::size_t kBlock = std::size_t{1} << 14;
 
-absl::Status BadAnswer(std::string_view message) {
-  return MakeError(message, {.reason = Reason::kMalformedRequest,
-                             .remedy = "Is this a server of another version?"});
+absl::Status BadAnswer(std::string_view what) {
+  return MakeError(absl::StrCat("the server's answer makes no sense: ", std::string(what)),
+                   {.reason = Reason::kInternal, .remedy = "Use a server of this version"});
 }
 
 }  // namespace
@@ -54,7 +56,7 @@ absl::StatusOr<ClientEvaluation> Client::SubmitEvaluation(
       send));
 }
 
-absl::StatusOr<EvaluateResult> CollectEvaluation(ClientEvaluation* call,
+absl::StatusOr<EvaluateResult> CollectEvaluation(ClientEvaluation* call, std::size_t parameters,
                                                  const Client::ProgressCallback& on_progress) {
   wire::SampleArrays samples;
   EvaluateResult result;
@@ -70,7 +72,8 @@ absl::StatusOr<EvaluateResult> CollectEvaluation(ClientEvaluation* call,
     }
   }
   LIMN_RETURN_IF_ERROR(call->Finish());
-  if (!has_summary) return BadAnswer("the answer has no summary");
+  if (!has_summary) return BadAnswer("it has no summary");
+  if (samples.points.size() != parameters) return BadAnswer("samples are missing");
   result.points = std::move(samples.points);
   result.du = std::move(samples.du);
   result.dv = std::move(samples.dv);
@@ -85,9 +88,7 @@ absl::StatusOr<EvaluateResult> Client::Evaluate(v1::InterpolateHeader header,
   const std::size_t asked = parameters.size();
   LIMN_ASSIGN_OR_RETURN(ClientEvaluation call,
                         SubmitEvaluation(std::move(header), mesh, std::move(parameters)));
-  LIMN_ASSIGN_OR_RETURN(EvaluateResult result, CollectEvaluation(&call, on_progress));
-  if (result.points.size() != asked) return BadAnswer("the answer is not complete");
-  return result;
+  return CollectEvaluation(&call, asked, on_progress);
 }
 
 }  // namespace limn

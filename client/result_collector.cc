@@ -29,7 +29,11 @@ ResultCollector::ResultCollector() : surface_(kNoIndex, kNoIndex) {}
 absl::Status ResultCollector::Add(v1::InterpolateResponse message) {
   if (message.has_tile()) return surface_.Add(message.tile());
   if (message.has_control_mesh()) return AddControlMesh(message.control_mesh());
-  if (message.has_summary()) summary_ = std::move(*message.mutable_summary());
+  if (message.has_repair()) mapping_.Add(message.repair());
+  if (message.has_summary()) {
+    summary_ = std::move(*message.mutable_summary());
+    mapping_.MoveTo(&*summary_);
+  }
   return absl::OkStatus();
 }
 

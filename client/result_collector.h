@@ -9,6 +9,7 @@
 #include "client/client.h"
 #include "limn/v1/interpolate.pb.h"
 #include "proto/wire/chunks.h"
+#include "proto/wire/repair_mapping.h"
 #include "proto/wire/tile_codec.h"
 
 namespace limn {
@@ -29,6 +30,7 @@ class ResultCollector {
  private:
   [[nodiscard]] absl::Status AddControlMesh(const v1::ControlMeshPart& part);
 
+  wire::MappingCollector mapping_;
   v1::MeshHeader control_header_;
   std::optional<wire::ChunkAssembler> control_;
   wire::SurfaceAssembler surface_;

@@ -109,12 +109,20 @@ double TessellationBytes(const Counts& n, const InterpolateOptions& options) {
                              : Indices(4 * n.half_edges));
 }
 
+// What Fair holds beside the patches: some 300 bytes a corner, and T^1 with the points of M^2.
+double FairBytes(const Counts& n) {
+  const Counts split = n.Split();
+  return Bytes(n.half_edges, 300) + SplitMesh(split) + Points(split.half_edges) + Curve(split) +
+         Indices(2 * n.half_edges) + 2 * Indices(n.vertices + n.faces + 1);
+}
+
 // The most of the surface's stages. `n`: of the input.
 double SurfacePeak(Counts n, const InterpolateOptions& options) {
   double mesh = BuiltMesh(n);
   const double patches = mesh + Points(n.half_edges) + Curve(n);
-  if (!options.surface) return patches;
   double peak = patches;
+  if (options.fair) peak += FairBytes(n);
+  if (!options.surface) return peak;
   double fans = options.keep_patches ? patches : 0;
   if (options.level >= 2) {
     // At most every vertex and face is extraordinary.

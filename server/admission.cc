@@ -50,7 +50,8 @@ void Admission::Reservation::Release() {
 }
 
 absl::StatusOr<Admission::Ticket> Admission::Admit(const JobSpec& spec) {
-  LIMN_RETURN_IF_ERROR(wire::CheckHeader(EngineLimits(limits_), spec.mesh));
+  LIMN_RETURN_IF_ERROR(
+      wire::CheckHeader(EngineLimits(limits_), spec.mesh, {.any_arity = spec.repair}));
   if (spec.mesh.byte_count() > limits_.max_mesh_bytes) {
     return TooLarge(
         "mesh.byte_count",

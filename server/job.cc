@@ -5,8 +5,11 @@
 #include <chrono>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
 #include "absl/types/span.h"
 #include "engine/base/error.h"
+#include "engine/constraints/renumber.h"
 
 namespace limn {
 namespace {
@@ -56,6 +59,15 @@ void CertifyTile(const wire::DecodedTile& tile, CertificateBuilder* certificate)
   }
 }
 
+// An error about a mesh that is not the one that was sent.
+absl::Status AfterRepair(const absl::Status& status) {
+  const std::optional<ErrorDetail> detail = GetErrorDetail(status);
+  if (status.code() != absl::StatusCode::kInvalidArgument || !detail.has_value()) return status;
+  absl::string_view message = status.message();
+  if (!detail->remedy.empty()) message.remove_suffix(detail->remedy.size() + 2);
+  return MakeError(absl::StrCat("after repair: ", message), *detail);
+}
+
 }  // namespace
 
 Job::Job(JobSpec spec, Context context)
@@ -71,7 +83,8 @@ absl::Status Job::Decode(std::string encoded_mesh) {
   const Clock::time_point start = Clock::now();
   bytes_received_ = encoded_mesh.size();
   context_.Report({.stage = "decode"});
-  LIMN_ASSIGN_OR_RETURN(mesh_, wire::DecodeMesh(context_, spec_.mesh, encoded_mesh));
+  LIMN_ASSIGN_OR_RETURN(
+      mesh_, wire::DecodeMesh(context_, spec_.mesh, encoded_mesh, {.any_arity = spec_.repair}));
   spec_.mesh.set_vertex_count(mesh_.vertex_count());
   spec_.mesh.set_face_count(mesh_.face_count());
   spec_.mesh.set_corner_count(mesh_.corner_count());
@@ -80,13 +93,17 @@ absl::Status Job::Decode(std::string encoded_mesh) {
 }
 
 absl::Status Job::Run() {
+  if (spec_.repair) LIMN_RETURN_IF_ERROR(RepairMesh());
   if (spec_.send_surface && spec_.engine.level == 0) {
     LIMN_RETURN_IF_ERROR(wire::FitLargestFace(mesh_, spec_.engine.normals, &tile_options_));
   }
 
-  LIMN_ASSIGN_OR_RETURN(InterpolateResult result, Interpolate(context_, mesh_, spec_.engine));
+  absl::StatusOr<InterpolateResult> interpolated = Interpolate(context_, mesh_, spec_.engine);
+  if (!interpolated.ok() && mapping_.has_value()) return AfterRepair(interpolated.status());
+  LIMN_ASSIGN_OR_RETURN(InterpolateResult result, std::move(interpolated));
   stages_.insert(stages_.end(), result.stages.begin(), result.stages.end());
   solve_ = result.solve;
+  fairness_ = result.fairness;
   surface_ = std::move(result.surface);
   patches_ = std::move(result.patches);
   certificate_.emplace(std::exchange(mesh_.positions, std::move(result.control_positions)),
@@ -101,9 +118,24 @@ absl::Status Job::Run() {
     certificate_->AddRun(0, surface_.positions);
     surface_ = Tessellation{};
   }
-  part_ = tiles_.empty() ? Part::kSummary : Part::kTiles;
   if (spec_.send_control_mesh) LIMN_RETURN_IF_ERROR(EncodeControlMesh());
   mesh_ = PolygonMesh{};
+  part_ = mapping_.has_value() ? Part::kRepair : PartAfterRepair();
+  return absl::OkStatus();
+}
+
+// Constraints name vertices of the mesh that was sent.
+absl::Status Job::RepairMesh() {
+  const Clock::time_point start = Clock::now();
+  Constraints& constraints = spec_.engine.constraints;
+  LIMN_RETURN_IF_ERROR(ValidateConstraints(context_, constraints, mesh_.vertex_count()));
+  LIMN_ASSIGN_OR_RETURN(repaired_, Repair(context_, mesh_));
+  mesh_ = std::exchange(repaired_.mesh, PolygonMesh{});
+  if (repaired_.report != RepairReport()) {
+    mapping_.emplace(repaired_.original_vertex, repaired_.original_face, tile_options_.tile_bytes);
+    LIMN_ASSIGN_OR_RETURN(constraints, RenumberConstraints(constraints, repaired_.original_vertex));
+  }
+  AddStage("repair", MillisecondsSince(start));
   return absl::OkStatus();
 }
 
@@ -120,6 +152,9 @@ absl::StatusOr<bool> Job::NextMessage(v1::InterpolateResponse* message) {
 
 absl::Status Job::Fill(v1::InterpolateResponse* message) {
   switch (part_) {
+    case Part::kRepair:
+      NextMappingPiece(message->mutable_repair());
+      return absl::OkStatus();
     case Part::kControlHeader:
       *message->mutable_control_mesh()->mutable_header() = std::move(control_header_);
       part_ = Part::kControlChunks;
@@ -139,6 +174,20 @@ absl::Status Job::Fill(v1::InterpolateResponse* message) {
   return absl::OkStatus();
 }
 
+Job::Part Job::PartAfterRepair() const {
+  if (spec_.send_control_mesh) return Part::kControlHeader;
+  return tiles_.empty() ? Part::kSummary : Part::kTiles;
+}
+
+void Job::NextMappingPiece(v1::RepairReport* piece) {
+  mapping_->Next(piece);
+  bytes_sent_ += piece->original_vertex().size() + piece->original_face().size();
+  if (mapping_->has_next()) return;
+  repaired_.original_vertex = {};
+  repaired_.original_face = {};
+  part_ = PartAfterRepair();
+}
+
 absl::Status Job::EncodeControlMesh() {
   const Clock::time_point start = Clock::now();
   context_.Report({.stage = "encode"});
@@ -147,7 +196,6 @@ absl::Status Job::EncodeControlMesh() {
   control_header_ = std::move(encoded.header);
   control_bytes_ = std::move(encoded.bytes);
   control_chunks_.emplace(control_bytes_, tile_options_.tile_bytes);
-  part_ = Part::kControlHeader;
   encode_milliseconds_ += MillisecondsSince(start);
   return absl::OkStatus();
 }
@@ -224,6 +272,9 @@ void Job::FillSummary(v1::Summary* summary) {
 
   *summary->mutable_certificate() = CertificateToProto(certificate_->Finish());
   summary->mutable_certificate()->set_after_encoding(spec_.send_surface);
+
+  if (fairness_.has_value()) *summary->mutable_fairness() = FairnessToProto(*fairness_);
+  if (spec_.repair) *summary->mutable_repair() = RepairToProto(repaired_.report);
 
   for (const StageTime& stage : stages_) {
     v1::StageTime* entry = summary->add_stages();

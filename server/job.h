@@ -15,8 +15,10 @@
 #include "engine/base/context.h"
 #include "engine/interpolate.h"
 #include "engine/limit/certificate.h"
+#include "engine/mesh/repair.h"
 #include "limn/v1/interpolate.pb.h"
 #include "proto/wire/chunks.h"
+#include "proto/wire/repair_mapping.h"
 #include "server/options_from_proto.h"
 
 namespace limn {
@@ -40,14 +42,15 @@ class Job {
   // arena. Errors: those of wire::DecodeMesh.
   [[nodiscard]] absl::Status Decode(std::string encoded_mesh);
 
-  // Computes, and encodes the control mesh: all that may take long. Runs in the caller's arena.
-  // Errors: those of Interpolate and wire::EncodeMesh.
+  // Repairs the mesh if that was asked for, computes, and encodes the control mesh: all that may
+  // take long. Runs in the caller's arena. Errors: those of Repair, Interpolate and
+  // wire::EncodeMesh.
   [[nodiscard]] absl::Status Run();
 
   const JobSpec& spec() const { return spec_; }
 
-  // Fills the next message of the answer: control mesh, tiles, summary. False: there is none left.
-  // Cost: linear in a tile. Errors: those of wire::EncodeTile.
+  // Fills the next message of the answer: repair, control mesh, tiles, summary. False: there is
+  // none left. Cost: linear in a tile. Errors: those of wire::EncodeTile.
   [[nodiscard]] absl::StatusOr<bool> NextMessage(v1::InterpolateResponse* message);
 
   // After Run, the surface itself, if the spec keeps patches. Once.
@@ -59,10 +62,13 @@ class Job {
   std::uint64_t bytes_sent() const { return bytes_sent_; }
 
  private:
-  enum class Part { kControlHeader, kControlChunks, kTiles, kSummary, kNone };
+  enum class Part { kRepair, kControlHeader, kControlChunks, kTiles, kSummary, kNone };
 
+  [[nodiscard]] absl::Status RepairMesh();
   [[nodiscard]] absl::Status Fill(v1::InterpolateResponse* message);
   [[nodiscard]] absl::Status EncodeControlMesh();
+  Part PartAfterRepair() const;
+  void NextMappingPiece(v1::RepairReport* piece);
   void NextControlChunk(v1::ControlMeshPart* part);
   [[nodiscard]] absl::Status PlanTiles();
   [[nodiscard]] absl::Status NextTile(v1::SurfaceTile* tile);
@@ -76,9 +82,13 @@ class Job {
   std::uint64_t bytes_received_ = 0;
   std::uint64_t bytes_sent_ = 0;
 
-  // The input; after Run with the control mesh's positions.
+  // The input, repaired if that was asked for; after Run with the control mesh's positions.
   PolygonMesh mesh_;
+  // What repair says beside the mesh, and the mapping that is still to be sent.
+  RepairedMesh repaired_;
+  std::optional<wire::MappingReader> mapping_;
   SolveReport solve_;
+  std::optional<FairnessReport> fairness_;
   Tessellation surface_;
   std::optional<DooSabinSurface> patches_;
   std::optional<CertificateBuilder> certificate_;

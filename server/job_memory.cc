@@ -6,6 +6,7 @@
 
 #include "engine/base/error.h"
 #include "engine/limit/certificate.h"
+#include "engine/mesh/repair.h"
 #include "proto/wire/chunks.h"
 #include "proto/wire/mesh_memory.h"
 #include "proto/wire/samples.h"
@@ -32,6 +33,16 @@ std::uint64_t Sum(std::initializer_list<std::uint64_t> terms) {
 
 wire::MeshCounts CountsOf(const JobSpec& spec) {
   return {spec.mesh.vertex_count(), spec.mesh.face_count(), spec.mesh.corner_count()};
+}
+
+// Of the mesh that is interpolated. What may come of repair at the worst: every corner gets a
+// vertex of its own, and faces fall into triangles.
+wire::MeshCounts InterpolatedCounts(const JobSpec& spec) {
+  wire::MeshCounts counts = CountsOf(spec);
+  if (!spec.repair) return counts;
+  counts.vertices = std::max(counts.vertices, counts.corners);
+  counts.faces = std::max(counts.faces, counts.corners / 3);
+  return counts;
 }
 
 // Boundary edges that a mesh of such counts may have. With E edges, b of them on the boundary,
@@ -83,10 +94,18 @@ absl::StatusOr<std::uint64_t> EstimateDecodeBytes(const JobSpec& spec,
 
 std::uint64_t EstimateJobBytes(const JobSpec& spec) {
   // The claims are held against limits below 2^33 before this is called, so products fit.
-  const wire::MeshCounts counts = CountsOf(spec);
+  const wire::MeshCounts counts = InterpolatedCounts(spec);
   const std::uint64_t boundary = MostBoundaryEdges(counts);
   const std::uint64_t mesh = wire::MeshMemory(counts);
   const std::uint64_t decoding = Sum({spec.mesh.byte_count(), wire::DecodeMemory(spec.mesh)});
+  std::uint64_t repairing = 0;
+  std::uint64_t mapping = 0;
+  if (spec.repair) {
+    repairing = Sum({wire::MeshMemory(CountsOf(spec)),
+                     EstimateRepairBytes(spec.mesh.vertex_count(), spec.mesh.face_count(),
+                                         spec.mesh.corner_count())});
+    mapping = (counts.vertices + counts.faces) * sizeof(Index);
+  }
   std::uint64_t computing = Sum(
       {mesh, EstimateBytes(counts.vertices, counts.faces, counts.corners, spec.engine, boundary)});
   if (spec.engine.keep_patches) {
@@ -103,9 +122,10 @@ std::uint64_t EstimateJobBytes(const JobSpec& spec) {
   const wire::TileOptions tiles = LargestTiles(spec);
   const std::uint64_t sending =
       Sum({result, encoded, wire::TileMemory(tiles), kMessagesInFlight * tiles.tile_bytes});
-  return Sum({std::max({EstimateUploadBytes(spec), decoding, computing, encoding, sending}),
-              AlwaysHeld(spec),
-              CertificateBuilder::Bytes(counts.vertices, spec.engine.constraints.normals.size())});
+  return Sum(
+      {std::max({EstimateUploadBytes(spec), decoding, repairing, computing, encoding, sending}),
+       mapping, AlwaysHeld(spec),
+       CertificateBuilder::Bytes(counts.vertices, spec.engine.constraints.normals.size())});
 }
 
 }  // namespace limn

@@ -10,10 +10,11 @@
 
 namespace limn {
 
-// Bytes that a job holds at its peak, by the counts of its mesh: the most of decoding, computing,
-// encoding the control mesh and sending the answer, with all that is kept from one to the next,
-// constraints, certificate, messages that wait, and parameters to evaluate. An upper bound for what
-// is allocated, for open meshes of genus 0 and for closed ones. Saturates.
+// Bytes that a job holds at its peak, by the counts of its mesh: the most of decoding, repair,
+// computing, encoding the control mesh and sending the answer, with all that is kept from one to
+// the next, constraints, certificate, messages that wait, and parameters to evaluate. With repair
+// it reckons with the worst mesh of that size. An upper bound for what is allocated, for open
+// meshes of genus 0 and for closed ones. Saturates.
 //
 // Counts that a Draco header does not claim count as 0; see EstimateDecodeBytes.
 [[nodiscard]] std::uint64_t EstimateJobBytes(const JobSpec& spec);

@@ -154,9 +154,6 @@ absl::Status CheckOutput(const v1::OutputOptions& output) {
     return Invalid("output.omit_connectivity", "a Draco surface cannot go without connectivity",
                    "Use MESH_ENCODING_PACKED for it");
   }
-  if (output.repair()) {
-    return NotBuilt("output.repair", "repair of meshes is", "Leave it off");
-  }
   return absl::OkStatus();
 }
 
@@ -164,6 +161,7 @@ void ReadOutput(const v1::OutputOptions& output, JobSpec* spec) {
   spec->send_control_mesh = output.control_mesh();
   spec->send_surface = output.surface();
   spec->send_normals = output.surface() && output.normals();
+  spec->repair = output.repair();
   spec->engine.surface = true;
   // Prescribed normals are certified, whether normals are sent or not.
   spec->engine.normals = spec->send_normals || !spec->engine.constraints.normals.empty();
@@ -220,6 +218,10 @@ absl::StatusOr<JobSpec> EvaluateSpecFromProto(const v1::InterpolateHeader& heade
     return Invalid("mesh.encoding", "a quantised mesh has lost the order of its faces",
                    "Use a lossless encoding: parameters name faces by their numbers");
   }
+  if (spec.repair) {
+    return Invalid("output.repair", "repair gives faces other numbers, which parameters name",
+                   "Leave it off, and send a mesh that is repaired already");
+  }
   spec.engine.keep_patches = true;
   return spec;
 }
@@ -244,6 +246,31 @@ v1::SolveOptions::Rule RuleToProto(FirstRule rule) {
       return v1::SolveOptions::RULE_STANDARD;
   }
   return v1::SolveOptions::RULE_UNSPECIFIED;
+}
+
+v1::FairnessReport FairnessToProto(const FairnessReport& report) {
+  v1::FairnessReport told;
+  told.set_energy_before(report.energy_before);
+  told.set_energy_after(report.energy_after);
+  told.set_shape_handles(report.shape_handles);
+  told.set_smoothing(report.smoothing);
+  return told;
+}
+
+v1::RepairReport RepairToProto(const RepairReport& report) {
+  v1::RepairReport told;
+  told.set_degenerate_faces_removed(report.degenerate_faces_removed);
+  told.set_faces_mended(report.faces_mended);
+  told.set_repeated_faces_removed(report.repeated_faces_removed);
+  told.set_folded_faces_removed(report.folded_faces_removed);
+  told.set_faces_reoriented(report.faces_reoriented);
+  told.set_edges_cut(report.edges_cut);
+  told.set_edges_split(report.edges_split);
+  told.set_faces_split_off(report.faces_split_off);
+  told.set_vertices_split(report.vertices_split);
+  told.set_vertices_added(report.vertices_added);
+  told.set_isolated_vertices_removed(report.isolated_vertices_removed);
+  return told;
 }
 
 }  // namespace limn

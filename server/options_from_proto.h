@@ -8,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "engine/interpolate.h"
+#include "engine/mesh/repair.h"
 #include "limn/v1/interpolate.pb.h"
 #include "proto/wire/mesh_codec.h"
 #include "proto/wire/tile_codec.h"
@@ -23,6 +24,8 @@ struct JobSpec {
   // `surface` is always set: without one to send, level 0 is computed for the certificate. So are
   // `normals` where some are prescribed.
   InterpolateOptions engine;
+  // Whether the mesh is repaired first.
+  bool repair = false;
   bool send_control_mesh = false;
   bool send_surface = false;
   // With the surface.
@@ -43,5 +46,7 @@ struct JobSpec {
 // What the engine did, as the contract says it.
 [[nodiscard]] v1::SolveOptions::Method MethodToProto(SolveMethod method);
 [[nodiscard]] v1::SolveOptions::Rule RuleToProto(FirstRule rule);
+[[nodiscard]] v1::FairnessReport FairnessToProto(const FairnessReport& report);
+[[nodiscard]] v1::RepairReport RepairToProto(const RepairReport& report);
 
 }  // namespace limn

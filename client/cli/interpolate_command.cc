@@ -35,23 +35,6 @@ struct InterpolateFlags {
   bool quiet = false;
 };
 
-ExitStatus Interrupted() {
-  PrintError("interrupted; nothing was written");
-  return ExitStatus::kInterrupted;
-}
-
-// The job's failure, with the server's address where that is what is wrong.
-ExitStatus FailAt(const std::string& server, const absl::Status& status) {
-  const auto detail = GetErrorDetail(status);
-  const bool from_limn = detail && detail->reason == Reason::kShuttingDown;
-  if (server.empty() || status.code() != absl::StatusCode::kUnavailable || from_limn) {
-    return FailWithJob(status);
-  }
-  PrintError("no answer from " + server + " (" + std::string(status.message()) +
-             "); start limnd there, or leave --server out");
-  return ExitStatus::kServer;
-}
-
 // The job's header, with the constraints of the file that is named.
 absl::StatusOr<v1::InterpolateHeader> MakeHeader(const InterpolateFlags& flags) {
   v1::InterpolateHeader header =
@@ -74,7 +57,7 @@ ExitStatus Run(const InterpolateFlags& flags) {
   const InterruptWatcher watcher([&canceller] { canceller.Cancel(); });
   bar.Show("read", 0);
   absl::StatusOr<PolygonMesh> mesh = ReadMeshFile(flags.input);
-  if (canceller.cancelled()) return Interrupted();
+  if (canceller.cancelled()) return FailInterrupted();
   bar.Clear();
   if (!mesh.ok()) return FailWithFile(mesh.status());
 
@@ -83,16 +66,17 @@ ExitStatus Run(const InterpolateFlags& flags) {
   const absl::StatusOr<JobResult> result =
       RunJob(connection->client(), {*std::move(header), *std::move(mesh)}, &bar, &canceller);
   bar.Clear();
-  if (canceller.cancelled()) return Interrupted();
+  if (canceller.cancelled()) return FailInterrupted();
   if (!result.ok()) {
-    return FailAt(flags.connection.server, NameConstraintsFile(result.status(), flags.constraints));
+    return FailAtServer(flags.connection.server,
+                        NameConstraintsFile(result.status(), flags.constraints));
   }
 
   bar.Show("write", 0);
   StagedFiles files([&canceller] { return canceller.cancelled(); });
   status = WriteOutputs(flags.outputs, *result, &files);
   bar.Clear();
-  if (canceller.cancelled()) return Interrupted();
+  if (canceller.cancelled()) return FailInterrupted();
   if (!status.ok()) return FailWithFile(status);
   // Before the files appear: after a failure there must be none.
   if (!flags.quiet) {
@@ -129,7 +113,8 @@ void AddInterpolateCommand(CLI::App& app, ExitStatus* status) {
                    "The summary (limn.v1.Summary) as JSON: sizes, sweeps, errors, times")
       ->type_name("FILE.json");
   AddConstraintsFlag(*command, &flags->constraints);
-  AddJobFlags(*command, &flags->job);
+  AddSolveFlags(*command, &flags->job);
+  AddTessellationFlags(*command, &flags->job);
   AddConnectionFlags(*command, &flags->connection);
   command->add_flag("-q,--quiet", flags->quiet, "No table and no progress bar");
   command->callback([flags, status] { *status = Run(*flags); });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The flags of `limn interpolate` that say what the job is, and the header they make.
+// The flags that say what a job is, and the header they make.
 #include "client/cli/job_options.h"
 
 #include <array>
@@ -76,15 +76,10 @@ std::string CheckTolerance(const std::string& text) {
 
 }  // namespace
 
-void AddJobFlags(CLI::App& app, JobOptions* options) {
+void AddSolveFlags(CLI::App& app, JobOptions* options) {
   app.add_option("--scheme", options->scheme, "Subdivision scheme (built: doo-sabin)")
       ->check(OneOf(kSchemes))
       ->capture_default_str();
-  app.add_option("--level", options->level,
-                 absl::StrCat("Refinements of the tessellation, 0 to ", kMaxLevel))
-      ->check(CLI::Range(0U, kMaxLevel))
-      ->capture_default_str()
-      ->type_name("K");
   app.add_option("--solver", options->solver, "Iteration that finds the control mesh")
       ->check(OneOf(kSolvers))
       ->capture_default_str();
@@ -101,6 +96,16 @@ void AddJobFlags(CLI::App& app, JobOptions* options) {
                  absl::StrCat("Sweeps at the most, 0 to ", kMaxSweeps, " [100]"))
       ->check(CLI::Range(0U, kMaxSweeps))
       ->type_name("N");
+  app.add_flag("--fair", options->fair,
+               "Cure overshoot where edge lengths differ, when that lowers the bending energy");
+}
+
+void AddTessellationFlags(CLI::App& app, JobOptions* options) {
+  app.add_option("--level", options->level,
+                 absl::StrCat("Refinements of the tessellation, 0 to ", kMaxLevel))
+      ->check(CLI::Range(0U, kMaxLevel))
+      ->capture_default_str()
+      ->type_name("K");
   app.add_option("--encoding", options->encoding,
                  "How meshes travel; draco-quantized is lossy: it moves points and reorders faces")
       ->check(OneOf(kEncodings))
@@ -112,6 +117,10 @@ void AddJobFlags(CLI::App& app, JobOptions* options) {
                               kMostBits, " [16]"))
       ->check(CLI::Range(kLeastBits, kMostBits))
       ->type_name("N");
+  app.add_flag("--repair", options->repair,
+               "Mend a mesh that would be refused, and say what was changed: degenerate, repeated "
+               "and turned faces, edges of more than two faces, vertices of several fans or of no "
+               "face");
 }
 
 v1::InterpolateHeader MakeJobHeader(const JobOptions& options, const WantedOutputs& wanted) {
@@ -133,6 +142,8 @@ v1::InterpolateHeader MakeJobHeader(const JobOptions& options, const WantedOutpu
   output.set_surface(wanted.surface);
   output.set_normals(wanted.surface);
   output.set_control_mesh(wanted.control_mesh);
+  output.set_repair(options.repair);
+  header.mutable_solve()->set_fair(options.fair);
   return header;
 }
 

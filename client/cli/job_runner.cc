@@ -62,4 +62,19 @@ absl::StatusOr<JobResult> RunJob(const Client& client, JobInput input, ProgressB
   return answer.Finish();
 }
 
+absl::StatusOr<EvaluateResult> RunEvaluation(const Client& client, JobInput input,
+                                             const std::vector<SurfaceParameter>& parameters,
+                                             ProgressBar* bar, JobCanceller* canceller) {
+  bar->Show("send", 0);
+  LIMN_ASSIGN_OR_RETURN(ClientEvaluation call,
+                        client.SubmitEvaluation(std::move(input.header), input.mesh, parameters));
+  canceller->Attach([&call] { call.Cancel(); });
+  const absl::Cleanup detach = [canceller] { canceller->Attach({}); };
+  input.mesh = PolygonMesh{};
+  return CollectEvaluation(&call, parameters.size(), [bar](const v1::Progress& progress) {
+    ShowProgress(progress, bar);
+    return true;
+  });
+}
+
 }  // namespace limn::cli

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <mutex>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "client/cli/progress_bar.h"
@@ -37,5 +38,11 @@ struct JobInput {
 // server; CANCELLED after canceller->Cancel(); those of ResultCollector.
 [[nodiscard]] absl::StatusOr<JobResult> RunJob(const Client& client, JobInput input,
                                                ProgressBar* bar, JobCanceller* canceller);
+
+// The same for an evaluation. Errors: those of Client::SubmitEvaluation, of the server and of
+// CollectEvaluation; CANCELLED after canceller->Cancel().
+[[nodiscard]] absl::StatusOr<EvaluateResult> RunEvaluation(
+    const Client& client, JobInput input, const std::vector<SurfaceParameter>& parameters,
+    ProgressBar* bar, JobCanceller* canceller);
 
 }  // namespace limn::cli

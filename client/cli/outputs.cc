@@ -28,6 +28,7 @@ absl::Status CheckDistinct(const OutputPaths& paths, const std::vector<std::stri
   std::vector<std::string> all = paths.surfaces;
   if (!paths.control_mesh.empty()) all.push_back(paths.control_mesh);
   if (!paths.report.empty()) all.push_back(paths.report);
+  if (!paths.samples.empty()) all.push_back(paths.samples);
   std::vector<fs::path> seen;
   for (const std::string& input : inputs) {
     if (!input.empty()) seen.push_back(Identity(input));
@@ -57,7 +58,9 @@ absl::Status CheckOutputs(const OutputPaths& paths, const std::vector<std::strin
   if (!paths.control_mesh.empty()) {
     LIMN_RETURN_IF_ERROR(CheckWritable(paths.control_mesh, OutputKind::kMesh));
   }
-  if (!paths.report.empty()) return io::OutputFile::Create(paths.report).status();
+  for (const std::string& path : {paths.report, paths.samples}) {
+    if (!path.empty()) LIMN_RETURN_IF_ERROR(io::OutputFile::Create(path).status());
+  }
   return absl::OkStatus();
 }
 
@@ -70,11 +73,14 @@ absl::Status WriteOutputs(const OutputPaths& paths, const JobResult& result, Sta
     LIMN_ASSIGN_OR_RETURN(io::OutputFile* const file, files->Create(paths.control_mesh));
     LIMN_RETURN_IF_ERROR(WriteMeshTo(paths.control_mesh, result.control_mesh, file));
   }
-  if (!paths.report.empty()) {
-    LIMN_ASSIGN_OR_RETURN(const std::string json, SummaryJson(result.summary));
-    LIMN_ASSIGN_OR_RETURN(io::OutputFile* const file, files->Create(paths.report));
-    file->Append(json);
-  }
+  return WriteReport(paths.report, result.summary, files);
+}
+
+absl::Status WriteReport(const std::string& path, const v1::Summary& summary, StagedFiles* files) {
+  if (path.empty()) return absl::OkStatus();
+  LIMN_ASSIGN_OR_RETURN(const std::string json, SummaryJson(summary));
+  LIMN_ASSIGN_OR_RETURN(io::OutputFile* const file, files->Create(path));
+  file->Append(json);
   return absl::OkStatus();
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The files that `limn interpolate` writes.
+// The files that `limn interpolate` writes; those of `limn evaluate` are checked here too.
 #pragma once
 
 #include <string>
@@ -17,6 +17,8 @@ struct OutputPaths {
   // Empty: not wanted.
   std::string control_mesh;
   std::string report;
+  // Samples of an evaluation; see client/cli/samples_file.h.
+  std::string samples;
 };
 
 // Whether all of them can be written, before any work is done. inputs: which must not be among
@@ -28,5 +30,9 @@ struct OutputPaths {
 // Writes all of them, for files->Commit to put in their places. Errors: those of the writers.
 [[nodiscard]] absl::Status WriteOutputs(const OutputPaths& paths, const JobResult& result,
                                         StagedFiles* files);
+
+// Writes the report alone; nothing for an empty path.
+[[nodiscard]] absl::Status WriteReport(const std::string& path, const v1::Summary& summary,
+                                       StagedFiles* files);
 
 }  // namespace limn::cli

@@ -5,6 +5,7 @@
 #include <google/protobuf/util/json_util.h>
 
 #include <string_view>
+#include <utility>
 
 #include "absl/strings/str_format.h"
 
@@ -69,6 +70,40 @@ std::string CertificateRows(const v1::Certificate& certificate) {
   return rows;
 }
 
+// A row for each kind of change.
+std::string FairnessRow(const v1::FairnessReport& fairness) {
+  const bool both = fairness.shape_handles() && fairness.smoothing();
+  const std::string cures = both                       ? "handles and smoothing"
+                            : fairness.shape_handles() ? "handles"
+                            : fairness.smoothing()     ? "smoothing"
+                                                       : "nothing lowers it";
+  return Row("bending energy", absl::StrFormat("%.6g, before %.6g (%s)", fairness.energy_after(),
+                                               fairness.energy_before(), cures));
+}
+
+std::string RepairRows(const v1::RepairReport& repair) {
+  const std::pair<std::uint64_t, std::string_view> changes[] = {
+      {repair.degenerate_faces_removed(), "degenerate faces removed"},
+      {repair.faces_mended(), "faces cut where they visited a vertex again"},
+      {repair.repeated_faces_removed(), "repeated faces removed"},
+      {repair.folded_faces_removed(), "folded faces removed"},
+      {repair.faces_reoriented(), "faces turned round"},
+      {repair.edges_cut(), "edges cut that no orientation suits"},
+      {repair.edges_split(), "edges of more than two faces taken apart"},
+      {repair.faces_split_off(), "faces split off"},
+      {repair.vertices_split(), "vertices split"},
+      {repair.vertices_added(), "vertices added by that"},
+      {repair.isolated_vertices_removed(), "isolated vertices removed"},
+  };
+  std::string rows;
+  for (const auto& [count, what] : changes) {
+    if (count == 0) continue;
+    rows += Row(rows.empty() ? "repaired" : "",
+                std::string(what).append(": ").append(WithCommas(count)));
+  }
+  return rows.empty() ? Row("repaired", "nothing: there was no need") : rows;
+}
+
 }  // namespace
 
 std::string WithCommas(std::uint64_t value) {
@@ -81,6 +116,8 @@ std::string SummaryTable(const v1::Summary& summary) {
   std::string table;
   table += Row("given vertices", WithCommas(summary.input_vertices()));
   table += Row("given faces", WithCommas(summary.input_faces()));
+  if (summary.has_fairness()) table += FairnessRow(summary.fairness());
+  if (summary.has_repair()) table += RepairRows(summary.repair());
   if (summary.surface_vertices() > 0) {
     table += Row("surface vertices", WithCommas(summary.surface_vertices()));
     table += Row("surface faces", WithCommas(summary.surface_faces()) +

@@ -58,6 +58,18 @@ template <class Body>
   return ParallelFor(context, n, kDefaultGrain, body);
 }
 
+// Calls body(begin, end) for the chunks of [0, n) one after the other, in this thread: for what
+// depends on its order. Returns the context's status when it was stopped; the rest was not visited
+// then.
+template <class Body>
+[[nodiscard]] absl::Status ForInOrder(const Context& context, std::size_t n, const Body& body) {
+  for (std::size_t begin = 0; begin < n; begin += kDefaultGrain) {
+    if (context.stop_requested()) break;
+    body(begin, std::min(begin + kDefaultGrain, n));
+  }
+  return context.Check();
+}
+
 // Largest value of body(begin, end) over disjoint ranges that cover [0, n), and at least
 // `identity`. The maximum does not depend on the order, so neither does the result.
 template <class Body>

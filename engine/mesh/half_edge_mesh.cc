@@ -41,7 +41,7 @@ absl::Status ReportFans(const FanFindings& found) {
                      {.reason = Reason::kNonManifoldVertex,
                       .field = "mesh.vertices",
                       .index = found.first_multiple,
-                      .remedy = "Give each fan a vertex of its own"});
+                      .remedy = OrRepair("Give each fan a vertex of its own")});
   }
   if (found.isolated > 0) {
     return MakeError(absl::StrCat("isolated vertices (used by no face): ", found.isolated,
@@ -49,7 +49,7 @@ absl::Status ReportFans(const FanFindings& found) {
                      {.reason = Reason::kIsolatedVertex,
                       .field = "mesh.vertices",
                       .index = found.first_isolated,
-                      .remedy = "Remove them"});
+                      .remedy = OrRepair("Remove them")});
   }
   return absl::OkStatus();
 }

@@ -79,11 +79,68 @@ absl::Status CheckSizes(const Context& context, const PolygonMesh& mesh) {
   LIMN_RETURN_IF_ERROR(
       CheckLimit("vertices", mesh.vertex_count(),
                  std::min<std::uint64_t>(context.limits().max_vertices, kNoIndex - 1)));
-  return CheckLimit("corners", mesh.corner_count(),
-                    std::min<std::uint64_t>(context.limits().max_corners, kNoIndex - 1));
+  const std::uint64_t corners = std::min<std::uint64_t>(context.limits().max_corners, kNoIndex - 1);
+  LIMN_RETURN_IF_ERROR(CheckLimit("corners", mesh.corner_count(), corners));
+  // Only faces without corners can be more.
+  return CheckLimit("faces", mesh.face_count(), corners);
+}
+
+enum class FaceChecks { kAll, kIndicesOnly };
+
+absl::Status CheckFaces(const Context& context, const PolygonMesh& mesh, FaceChecks checks) {
+  LIMN_RETURN_IF_ERROR(CheckSizes(context, mesh));
+  const std::size_t faces = mesh.face_count();
+  const std::size_t vertices = mesh.vertex_count();
+  const bool all = checks == FaceChecks::kAll;
+  enum Kind : std::size_t { kDecreasing, kSmall, kRange, kRepeated, kKinds };
+  std::array<Finding, kKinds> found;
+  LIMN_RETURN_IF_ERROR(FindAll<kKinds>(
+      context, faces,
+      [&](std::size_t f, std::array<Finding, kKinds>* findings) {
+        const Index begin = mesh.face_begin[f];
+        const Index end = mesh.face_begin[f + 1];
+        if (end < begin || end > mesh.corner_count()) return (*findings)[kDecreasing].Add(f);
+        const absl::Span<const Index> face = mesh.face(f);
+        if (all && face.size() < 3) return (*findings)[kSmall].Add(f);
+        for (const Index v : face) {
+          if (v >= vertices) return (*findings)[kRange].Add(f);
+        }
+        if (all && HasRepeatedVertex(face)) (*findings)[kRepeated].Add(f);
+      },
+      &found));
+  if (found[kDecreasing].count > 0 || mesh.face_begin[0] != 0 ||
+      mesh.face_begin[faces] != mesh.corner_count()) {
+    return MakeError("the arities of the faces do not add up to the number of corners",
+                     {.reason = Reason::kMalformedRequest,
+                      .field = "mesh.faces",
+                      .remedy = "Send the arity of every face"});
+  }
+  const auto refuse = [&](const Finding& finding, Reason reason, const std::string& kind,
+                          const std::string& remedy) {
+    return MakeError(
+        absl::StrCat(kind, ": ", finding.count, " faces, first face ", finding.first),
+        {.reason = reason, .field = "mesh.faces", .index = finding.first, .remedy = remedy});
+  };
+  if (found[kSmall].count > 0) {
+    return refuse(found[kSmall], Reason::kFaceTooSmall, "faces with fewer than three corners",
+                  OrRepair("Remove them"));
+  }
+  if (found[kRange].count > 0) {
+    return refuse(found[kRange], Reason::kIndexOutOfRange, "vertex indices out of range",
+                  absl::StrCat("Indices must be from 0 to ", vertices - 1));
+  }
+  if (found[kRepeated].count > 0) {
+    return refuse(found[kRepeated], Reason::kRepeatedVertex, "faces that visit a vertex twice",
+                  OrRepair("Remove the repeated corners"));
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace
+
+std::string OrRepair(std::string_view remedy) {
+  return std::string(remedy).append(", or ask for repair (--repair)");
+}
 
 absl::Status ValidatePositions(const Context& context, absl::Span<const Vec3> positions,
                                BoundingBox* box) {
@@ -150,51 +207,11 @@ absl::Status ValidatePositions(const Context& context, absl::Span<const Vec3> po
 }
 
 absl::Status ValidateFaces(const Context& context, const PolygonMesh& mesh) {
-  LIMN_RETURN_IF_ERROR(CheckSizes(context, mesh));
-  const std::size_t faces = mesh.face_count();
-  const std::size_t vertices = mesh.vertex_count();
-  enum Kind : std::size_t { kDecreasing, kSmall, kRange, kRepeated, kKinds };
-  std::array<Finding, kKinds> found;
-  LIMN_RETURN_IF_ERROR(FindAll<kKinds>(
-      context, faces,
-      [&](std::size_t f, std::array<Finding, kKinds>* findings) {
-        const Index begin = mesh.face_begin[f];
-        const Index end = mesh.face_begin[f + 1];
-        if (end < begin || end > mesh.corner_count()) return (*findings)[kDecreasing].Add(f);
-        const absl::Span<const Index> face = mesh.face(f);
-        if (face.size() < 3) return (*findings)[kSmall].Add(f);
-        for (const Index v : face) {
-          if (v >= vertices) return (*findings)[kRange].Add(f);
-        }
-        if (HasRepeatedVertex(face)) (*findings)[kRepeated].Add(f);
-      },
-      &found));
-  if (found[kDecreasing].count > 0 || mesh.face_begin[0] != 0 ||
-      mesh.face_begin[faces] != mesh.corner_count()) {
-    return MakeError("the arities of the faces do not add up to the number of corners",
-                     {.reason = Reason::kMalformedRequest,
-                      .field = "mesh.faces",
-                      .remedy = "Send the arity of every face"});
-  }
-  const auto refuse = [&](const Finding& finding, Reason reason, const std::string& kind,
-                          const std::string& remedy) {
-    return MakeError(
-        absl::StrCat(kind, ": ", finding.count, " faces, first face ", finding.first),
-        {.reason = reason, .field = "mesh.faces", .index = finding.first, .remedy = remedy});
-  };
-  if (found[kSmall].count > 0) {
-    return refuse(found[kSmall], Reason::kFaceTooSmall, "faces with fewer than three corners",
-                  "Remove them");
-  }
-  if (found[kRange].count > 0) {
-    return refuse(found[kRange], Reason::kIndexOutOfRange, "vertex indices out of range",
-                  absl::StrCat("Indices must be from 0 to ", vertices - 1));
-  }
-  if (found[kRepeated].count > 0) {
-    return refuse(found[kRepeated], Reason::kRepeatedVertex, "faces that visit a vertex twice",
-                  "Remove the repeated corners");
-  }
-  return absl::OkStatus();
+  return CheckFaces(context, mesh, FaceChecks::kAll);
+}
+
+absl::Status ValidateIndices(const Context& context, const PolygonMesh& mesh) {
+  return CheckFaces(context, mesh, FaceChecks::kIndicesOnly);
 }
 
 namespace {
@@ -278,7 +295,7 @@ absl::Status DiagnoseEdges(const Context& context, const PolygonMesh& mesh,
         {.reason = Reason::kNonManifoldEdge,
          .field = "mesh.faces",
          .index = face,
-         .remedy = "Remove repeated faces and split off the surplus ones"});
+         .remedy = OrRepair("Remove repeated faces and split off the surplus ones")});
   }
   if (found.twisted.count > 0) {
     const Index face = FaceOf(mesh, found.twisted.half_edge);
@@ -288,7 +305,7 @@ absl::Status DiagnoseEdges(const Context& context, const PolygonMesh& mesh,
                      {.reason = Reason::kInconsistentOrientation,
                       .field = "mesh.faces",
                       .index = face,
-                      .remedy = "Turn faces so that neighbours agree"});
+                      .remedy = OrRepair("Turn faces so that neighbours agree")});
   }
   return absl::OkStatus();
 }

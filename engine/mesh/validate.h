@@ -4,6 +4,7 @@
 
 #include <compare>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "absl/status/status.h"
@@ -20,6 +21,9 @@ inline constexpr double kMaxCoordinate = 1e100;
 // Meshes whose bounding box is smaller, but not a point, are refused: their differences have too
 // few bits left.
 inline constexpr double kMinDiagonal = 1e-300;
+
+// The remedy of what Repair (engine/mesh/repair.h) mends too. remedy: without a full stop.
+[[nodiscard]] std::string OrRepair(std::string_view remedy);
 
 // Axis-aligned box of points.
 struct BoundingBox {
@@ -43,6 +47,11 @@ struct BoundingBox {
 // vertex twice. Errors: EMPTY_MESH, LIMIT_EXCEEDED, MALFORMED_REQUEST (face_begin not increasing),
 // FACE_TOO_SMALL, INDEX_OUT_OF_RANGE, REPEATED_VERTEX. Cost: one pass.
 [[nodiscard]] absl::Status ValidateFaces(const Context& context, const PolygonMesh& mesh);
+
+// The part of ValidateFaces that no repair replaces: sizes, face_begin and index ranges; arities
+// are free. Errors: EMPTY_MESH, LIMIT_EXCEEDED, MALFORMED_REQUEST, INDEX_OUT_OF_RANGE. Cost: one
+// pass.
+[[nodiscard]] absl::Status ValidateIndices(const Context& context, const PolygonMesh& mesh);
 
 // A half-edge in the bucket of its end of smaller number.
 struct EdgeUse {

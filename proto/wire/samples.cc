@@ -41,14 +41,20 @@ absl::Status BadSamples(std::uint64_t first) {
 
 }  // namespace
 
-absl::Status CheckParameters(const v1::ParameterBlock& block) {
+absl::Status CheckParameterArrays(const v1::ParameterBlock& block) {
   const int n = block.faces_size();
   if (block.corners_size() != n) return Unequal("corners", block.corners_size(), n);
   if (block.u_size() != n) return Unequal("u", block.u_size(), n);
   if (block.v_size() != n) return Unequal("v", block.v_size(), n);
+  return absl::OkStatus();
+}
+
+absl::Status CheckParameters(const v1::ParameterBlock& block) {
+  LIMN_RETURN_IF_ERROR(CheckParameterArrays(block));
+  const int n = block.faces_size();
   if (static_cast<std::size_t>(n) <= kMaxBlockParameters) return absl::OkStatus();
   return MakeError(absl::StrCat("the block has ", n, " parameters"),
-                   {.reason = Reason::kLimitExceeded,
+                   {.reason = Reason::kMalformedRequest,
                     .field = "parameters",
                     .remedy = absl::StrCat("Send blocks of at most ", kMaxBlockParameters)});
 }

@@ -19,10 +19,11 @@ inline constexpr std::size_t kMaxBlockParameters = std::size_t{1} << 16;
 // Bytes of a sample's four vectors.
 inline constexpr std::size_t kSampleBytes = 4 * sizeof(Vec3);
 
-// Whether the block's arrays fit together. Errors:
-// MALFORMED_REQUEST, naming the array; LIMIT_EXCEEDED for too many. The parameters themselves are
-// not looked at. Cost: constant. Thread-safe.
+// Whether the block's arrays fit together and are not too long. Errors: MALFORMED_REQUEST, naming
+// the array. The parameters themselves are not looked at. Cost: constant. Thread-safe.
 [[nodiscard]] absl::Status CheckParameters(const v1::ParameterBlock& block);
+// The same for any length.
+[[nodiscard]] absl::Status CheckParameterArrays(const v1::ParameterBlock& block);
 
 // Parameters begin .. begin + count - 1 of a checked block.
 [[nodiscard]] std::vector<SurfaceParameter> ReadParameters(const v1::ParameterBlock& block,

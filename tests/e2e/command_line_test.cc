@@ -41,7 +41,7 @@ TEST_F(CommandLineE2e, HelpNamesEveryCommandAndFlagOnStandardOutput) {
   for (const char* word :
        {"--scheme", "--level", "--control-mesh", "--report", "--solver", "--tolerance",
         "--max-sweeps", "--threads", "--server", "--encoding", "--quantization-bits", "--deadline",
-        "--quiet", "--output", "--constraints", "--rule"}) {
+        "--quiet", "--output", "--constraints", "--rule", "--fair", "--repair"}) {
     EXPECT_NE(interpolate.output.find(word), std::string::npos) << word;
   }
   const RunResult generate = space_.Limn({"generate", "--help"});

@@ -162,6 +162,23 @@ TEST_F(RefusalE2e, MessageNamesTheFileOrThePlaceAndTheRemedy) {
   }
 }
 
+TEST_F(RefusalE2e, WhatRepairWouldMendSaysSo) {
+  const std::string cube = kCube;
+  const std::string broken[] = {
+      Replaced(cube, "f 5 6 7 8", "f 5 6"),
+      Replaced(cube, "f 5 6 7 8", "f 5 6 6 8"),
+      cube + "f 4 3 2 1\n",
+      Replaced(cube, "f 5 6 7 8", "f 8 7 6 5"),
+      "v 9 9 9\n" + Replaced(cube, "f 4 3 2 1", "f 5 4 3 2"),
+  };
+  for (const std::string& bytes : broken) {
+    WriteAll(At("in.obj"), bytes);
+    const RunResult run = space_.Limn({"interpolate", At("in.obj")});
+    EXPECT_EQ(run.status, 1);
+    EXPECT_NE(run.errors.find("--repair"), std::string::npos) << run.errors;
+  }
+}
+
 TEST_F(RefusalE2e, FilesThatAreNotThereOrOfNoKnownKindAreNamed) {
   const RunResult missing = space_.Limn({"interpolate", At("nowhere.obj"), "-o", At("s.obj")});
   EXPECT_EQ(missing.status, 1);

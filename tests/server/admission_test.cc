@@ -317,5 +317,26 @@ TEST(AdmissionTest, EstimateCountsConstraints) {
   EXPECT_GE(EstimateJobBytes(spec), normals + 2 * 1000 * sizeof(ShapeHandle));
 }
 
+TEST(AdmissionTest, EstimateCoversTheWorstThatRepairMayMakeOfAMesh) {
+  JobSpec spec;
+  spec.mesh.set_vertex_count(1000);
+  spec.mesh.set_face_count(10);
+  spec.mesh.set_corner_count(3000);
+  spec.engine.level = 2;
+  const std::uint64_t without = EstimateJobBytes(spec);
+  spec.repair = true;
+  const std::uint64_t with = EstimateJobBytes(spec);
+  EXPECT_GT(with, without);
+  // A vertex for every corner, and triangles.
+  JobSpec worst = spec;
+  worst.repair = false;
+  worst.mesh.set_vertex_count(3000);
+  worst.mesh.set_face_count(1000);
+  EXPECT_GT(with, EstimateJobBytes(worst));
+  // When little is computed, repair itself is what needs most.
+  spec.engine.level = 0;
+  EXPECT_GT(EstimateJobBytes(spec), EstimateRepairBytes(1000, 10, 3000));
+}
+
 }  // namespace
 }  // namespace limn

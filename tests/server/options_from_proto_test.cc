@@ -154,7 +154,6 @@ std::vector<FieldCase> UnbuiltCases() {
       {"Boundary",
        [](Header& h) { h.mutable_surface()->set_boundary(v1::SurfaceOptions::BOUNDARY_NONE); },
        kNot, "surface.boundary"},
-      {"Repair", [](Header& h) { h.mutable_output()->set_repair(true); }, kNot, "output.repair"},
   };
 }
 
@@ -182,6 +181,7 @@ TEST(JobSpecTest, AbsentFieldsTakeTheDefaultsOfTheContract) {
   EXPECT_FALSE(spec->send_control_mesh);
   EXPECT_FALSE(spec->send_surface);
   EXPECT_FALSE(spec->send_normals);
+  EXPECT_FALSE(spec->repair);
   EXPECT_EQ(spec->tiles.encoding, v1::MESH_ENCODING_PACKED);
   EXPECT_EQ(spec->tiles.quantization_bits, 16);
   EXPECT_EQ(spec->tiles.tile_bytes, 512U << 10);
@@ -200,6 +200,7 @@ TEST(JobSpecTest, GivenFieldsReachEngineAndCodec) {
   header.mutable_output()->set_encoding(v1::MESH_ENCODING_DRACO_QUANTIZED);
   header.mutable_output()->set_quantization_bits(30);
   header.mutable_output()->set_tile_bytes(1 << 20);
+  header.mutable_output()->set_repair(true);
   const absl::StatusOr<JobSpec> spec = JobSpecFromProto(header);
   ASSERT_TRUE(spec.ok()) << spec.status();
   EXPECT_EQ(spec->engine.solve.method, SolveMethod::kJacobi);
@@ -217,6 +218,7 @@ TEST(JobSpecTest, GivenFieldsReachEngineAndCodec) {
   EXPECT_EQ(spec->tiles.encoding, v1::MESH_ENCODING_DRACO_QUANTIZED);
   EXPECT_EQ(spec->tiles.quantization_bits, 30);
   EXPECT_EQ(spec->tiles.tile_bytes, 1U << 20);
+  EXPECT_TRUE(spec->repair);
 }
 
 TEST(JobSpecTest, AChordToleranceReachesTheEngineWhereASurfaceIsSent) {
@@ -259,6 +261,14 @@ TEST(JobSpecTest, ErrorsOfTheHeaderReachTheClientWithTheirField) {
   const v1::ErrorDetails info = ErrorInfoOf(call.rich_status());
   EXPECT_EQ(info.reason(), "UNIMPLEMENTED");
   EXPECT_EQ(info.metadata().at("field"), "constraints.creases");
+}
+
+TEST(JobSpecTest, RepairIsOffUnlessAskedFor) {
+  Header header;
+  header.mutable_mesh()->set_vertex_count(8);
+  EXPECT_FALSE(JobSpecFromProto(header)->repair);
+  header.mutable_output()->set_repair(true);
+  EXPECT_TRUE(JobSpecFromProto(header)->repair);
 }
 
 }  // namespace

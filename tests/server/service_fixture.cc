@@ -130,6 +130,7 @@ v1::RichStatus RawStream<Request, Response>::rich_status() {
 
 template class RawStream<v1::InterpolateRequest, v1::InterpolateResponse>;
 template class RawStream<v1::EvaluateRequest, v1::EvaluateResponse>;
+
 struct EventLog::Lines {
   std::mutex mutex;
   std::vector<std::string> text;

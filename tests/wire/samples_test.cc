@@ -78,7 +78,8 @@ TEST(Samples, BlocksHaveALimit) {
   WriteParameters(SomeParameters(kMaxBlockParameters), &block);
   EXPECT_TRUE(CheckParameters(block).ok());
   WriteParameters(SomeParameters(kMaxBlockParameters + 1), &block);
-  EXPECT_EQ(ReasonOf(CheckParameters(block)), Reason::kLimitExceeded);
+  EXPECT_EQ(ReasonOf(CheckParameters(block)), Reason::kMalformedRequest);
+  EXPECT_EQ(GetErrorDetail(CheckParameters(block))->field, "parameters");
   EXPECT_TRUE(CheckParameters({}).ok());
 }
 
