@@ -9,15 +9,12 @@
 namespace limn {
 
 Lane::Place::Place(Place&& other) noexcept
-    : lane_(std::exchange(other.lane_, nullptr)),
-      position_(other.position_),
-      task_(std::exchange(other.task_, 0)) {}
+    : lane_(std::exchange(other.lane_, nullptr)), task_(std::exchange(other.task_, 0)) {}
 
 Lane::Place& Lane::Place::operator=(Place&& other) noexcept {
   if (this == &other) return *this;
   Release();
   lane_ = std::exchange(other.lane_, nullptr);
-  position_ = other.position_;
   task_ = std::exchange(other.task_, 0);
   return *this;
 }
@@ -38,9 +35,9 @@ Lane::Lane(const LaneOptions& options)
 
 absl::StatusOr<Lane::Place> Lane::Reserve() {
   const std::lock_guard lock(mutex_);
-  LIMN_ASSIGN_OR_RETURN(const std::uint64_t position, PositionOfNext());
+  LIMN_RETURN_IF_ERROR(PositionOfNext().status());
   ++taken_;
-  return Place(this, position);
+  return Place(this);
 }
 
 absl::StatusOr<std::uint64_t> Lane::NextPosition() const {

@@ -37,9 +37,6 @@ class Lane {
     Place& operator=(Place&& other) noexcept;
     ~Place() { Release(); }
 
-    // How many jobs had to end before this one could start, when it was reserved.
-    std::uint64_t position() const { return position_; }
-
     // Runs the job when its turn comes. Once per place.
     void Post(WorkerThreads::Task task);
 
@@ -48,10 +45,9 @@ class Lane {
 
    private:
     friend class Lane;
-    Place(Lane* lane, std::uint64_t position) : lane_(lane), position_(position) {}
+    explicit Place(Lane* lane) : lane_(lane) {}
 
     Lane* lane_ = nullptr;
-    std::uint64_t position_ = 0;
     WorkerThreads::TaskId task_ = 0;
   };
 
@@ -60,7 +56,8 @@ class Lane {
   // A place, or LIMIT_EXCEEDED with limit "queue-length" when workers + queue_length are taken.
   [[nodiscard]] absl::StatusOr<Place> Reserve();
 
-  // The position of a place that would be reserved now, or the error. Nothing is taken.
+  // How many jobs have to end before one that would be reserved now could start, or the error of
+  // Reserve. Nothing is taken.
   [[nodiscard]] absl::StatusOr<std::uint64_t> NextPosition() const;
 
   // Places taken now.

@@ -18,12 +18,15 @@ TEST(LaneTest, HasWorkersPlusQueuePlacesAndNoMore) {
   Lane lane({.name = "test", .workers = 2, .queue_length = 1, .threads = 1});
   std::vector<Lane::Place> places;
   for (std::uint64_t i = 0; i < 3; ++i) {
+    const absl::StatusOr<std::uint64_t> position = lane.NextPosition();
+    ASSERT_TRUE(position.ok());
+    EXPECT_EQ(*position, i < 2 ? 0U : 1U);
     absl::StatusOr<Lane::Place> place = lane.Reserve();
     ASSERT_TRUE(place.ok());
-    EXPECT_EQ(place->position(), i < 2 ? 0U : 1U);
     places.push_back(*std::move(place));
   }
   EXPECT_EQ(lane.Reserve().status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(lane.NextPosition().status().code(), absl::StatusCode::kResourceExhausted);
   places[1].Release();
   places[1].Release();
   EXPECT_EQ(lane.places_taken(), 2U);
