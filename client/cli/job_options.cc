@@ -96,6 +96,8 @@ void AddSolveFlags(CLI::App& app, JobOptions* options) {
                  absl::StrCat("Sweeps at the most, 0 to ", kMaxSweeps, " [100]"))
       ->check(CLI::Range(0U, kMaxSweeps))
       ->type_name("N");
+  app.add_flag("--fair", options->fair,
+               "Cure overshoot where edge lengths differ, when that lowers the bending energy");
 }
 
 void AddTessellationFlags(CLI::App& app, JobOptions* options) {
@@ -115,8 +117,6 @@ void AddTessellationFlags(CLI::App& app, JobOptions* options) {
                               kMostBits, " [16]"))
       ->check(CLI::Range(kLeastBits, kMostBits))
       ->type_name("N");
-  app.add_flag("--fair", options->fair,
-               "Cure overshoot where edge lengths differ, when that lowers the bending energy");
   app.add_flag("--repair", options->repair,
                "Mend a mesh that would be refused, and say what was changed: degenerate, repeated "
                "and turned faces, edges of more than two faces, vertices of several fans or of no "

@@ -26,8 +26,9 @@ struct JobOptions {
   bool fair = false;
 };
 
-// Add the flags of how the surface is found, and of its tessellation and how it travels. Values out
-// of range end the parse with a CLI::ValidationError.
+// Add the flags of how the surface is found, and of its tessellation, how it travels and what is
+// done to the mesh before, which is not for evaluations. Values out of range end the parse with a
+// CLI::ValidationError.
 void AddSolveFlags(CLI::App& app, JobOptions* options);
 void AddTessellationFlags(CLI::App& app, JobOptions* options);
 

@@ -167,6 +167,7 @@ TEST_F(EvaluateE2e, UsageErrorsEndWithTwo) {
            {"--at", p, "-o", At("given.obj"), "--format", "csv"},
            {"--at", p, "-o", At("s.csv"), "--report", At("s.csv")},
            {"--at", p, "--level", "2"},
+           {"--at", p, "--repair"},
            {"--at", p, "--tolerance", "2"}}) {
     const RunResult run = Evaluate(flags);
     EXPECT_EQ(run.status, 2) << run.errors;
@@ -181,7 +182,7 @@ TEST_F(EvaluateE2e, HelpNamesEveryFlag) {
   EXPECT_EQ(help.status, 0);
   for (const char* word : {"--at", "--output", "--format", "--report", "--constraints", "--scheme",
                            "--solver", "--rule", "--tolerance", "--max-sweeps", "--server",
-                           "--threads", "--deadline", "--quiet"}) {
+                           "--threads", "--deadline", "--fair", "--quiet"}) {
     EXPECT_NE(help.output.find(word), std::string::npos) << word;
   }
   EXPECT_NE(space_.Limn({"--help"}).output.find("evaluate"), std::string::npos);
