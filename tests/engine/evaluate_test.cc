@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/mesh/generate.h"
@@ -96,6 +98,32 @@ TEST_P(EvaluateTest, DerivativesAreDifferenceQuotientsOfDeepRefinement) {
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     ASSERT_LE(MaxAbs(samples.du[i] - du[i]), 1e-14 * static_cast<double>(n)) << i;
     ASSERT_LE(MaxAbs(samples.dv[i] - dv[i]), 1e-14 * static_cast<double>(n)) << i;
+  }
+}
+
+// In pieces of every size, as far as differences of points have digits left.
+TEST_P(EvaluateTest, DerivativesAreDifferenceQuotientsOfPoints) {
+  for (Index h = 0; h < surface_.mesh.half_edge_count(); h += 3) {
+    for (int k = 0; k <= 20; ++k) {
+      const double size = std::ldexp(1, -k);
+      // One of three pieces each time, next to (0, 0) and to (1, 1).
+      const auto [x, y] = std::array{std::pair(0.8, 0.3), {0.2, 0.7}, {0.6, 0.9}}[h % 3];
+      for (const bool far : {false, true}) {
+        const auto at = [&](double u, double v) {
+          return AtHalfEdge(surface_.mesh, h, far ? 1 - u * size : u * size,
+                            far ? 1 - v * size : v * size);
+        };
+        constexpr double kStep = 0.0625;
+        // (1, 1) is approached from the far half only.
+        if (far && k == 0) continue;
+        const Samples s = Evaluated(surface_, {at(x, y), at(x + kStep, y), at(x - kStep, y),
+                                               at(x, y + kStep), at(x, y - kStep)});
+        const double scale = (far ? -0.5 : 0.5) / (kStep * size);
+        const double tolerance = 1e-14 / size;
+        ASSERT_LE(MaxAbs(s.du[0] - scale * (s.points[1] - s.points[2])), tolerance) << k;
+        ASSERT_LE(MaxAbs(s.dv[0] - scale * (s.points[3] - s.points[4])), tolerance) << k;
+      }
+    }
   }
 }
 
