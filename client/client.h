@@ -55,10 +55,12 @@ using ClientEvaluation = ClientCall<v1::EvaluateRequest, v1::EvaluateResponse>;
 
 // Everything that an Interpolate job gave.
 struct JobResult {
-  // With the input's faces (lossless encodings) when the control mesh was asked for.
+  // With the faces of the input, or of the repaired mesh where that was asked for (lossless
+  // encodings), when the control mesh was asked for.
   PolygonMesh control_mesh;
   // When the surface was asked for. Normals as doubles of the float32 that travelled.
   Tessellation surface;
+  // summary.repair() has the mapping too; see wire::MappingElements.
   v1::Summary summary;
 };
 
