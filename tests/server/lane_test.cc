@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/base/error.h"
+#include "engine/base/parallel.h"
 
 namespace limn {
 namespace {
@@ -38,7 +39,7 @@ TEST(LaneTest, RunsTasksInItsArena) {
   absl::StatusOr<Lane::Place> place = lane.Reserve();
   ASSERT_TRUE(place.ok());
   std::promise<int> threads;
-  place->Post([&] { threads.set_value(tbb::this_task_arena::max_concurrency()); });
+  place->Post([&] { threads.set_value(AvailableThreads()); });
   EXPECT_EQ(threads.get_future().get(), 3);
 }
 
