@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
+#include "engine/constraints/fair.h"
 #include "engine/constraints/perturb.h"
 #include "engine/constraints/vertex_plan.h"
 #include "engine/limit/doo_sabin_limit.h"
@@ -45,7 +46,8 @@ absl::Status CheckBytes(const Context& context, const PolygonMesh& mesh,
                                 context.limits().max_bytes),
                    {.reason = Reason::kLimitExceeded,
                     .field = "surface.level",
-                    .remedy = "Choose a lower level, send a smaller mesh or raise the limit"});
+                    .remedy = "Choose a lower level, send a smaller mesh or raise the limit",
+                    .limit = "max-job-bytes"});
 }
 
 absl::Status CheckOptions(const Context& context, const PolygonMesh& mesh,
@@ -54,6 +56,12 @@ absl::Status CheckOptions(const Context& context, const PolygonMesh& mesh,
     return MakeError(
         "this scheme is not built yet",
         {.reason = Reason::kUnimplemented, .field = "scheme", .remedy = "Choose Doo-Sabin"});
+  }
+  if (options.chord_tolerance.has_value()) {
+    return MakeError("tessellation to a chord tolerance is not built yet",
+                     {.reason = Reason::kUnimplemented,
+                      .field = "surface.chord_tolerance",
+                      .remedy = "Choose a level"});
   }
   LIMN_RETURN_IF_ERROR(ValidateSolveOptions(options.solve));
   if (options.surface && options.level > context.limits().max_level) {
@@ -155,11 +163,16 @@ class Pipeline {
       return FirstRefinement(context_, patches.mesh, result_.control_positions,
                              absl::MakeSpan(patches.corners), options_.rule);
     }));
-    return Stage("perturb", [&] {
+    LIMN_RETURN_IF_ERROR(Stage("perturb", [&] {
       return PerturbToInterpolate(
           context_,
           {.mesh = patches.mesh, .points = points_, .plan = &plan_, .boundary = &patches.boundary},
           absl::MakeSpan(patches.corners));
+    }));
+    if (!options_.fair) return absl::OkStatus();
+    return Stage("fair", [&]() -> absl::Status {
+      LIMN_ASSIGN_OR_RETURN(result_.fairness, Fair(context_, {.plan = &plan_}, &patches));
+      return absl::OkStatus();
     });
   }
 

@@ -16,6 +16,7 @@
 #include "engine/base/context.h"
 #include "engine/base/vec3.h"
 #include "engine/constraints/constraints.h"
+#include "engine/constraints/fair.h"
 #include "engine/limit/tessellation.h"
 #include "engine/mesh/polygon_mesh.h"
 #include "engine/refine/doo_sabin_rule.h"
@@ -38,7 +39,7 @@ struct InterpolateOptions {
   // Refinements of the input's connectivity in the tessellation, 0 to Limits::max_level.
   std::uint32_t level = 2;
   // Instead of a level: the smallest one whose guaranteed deviation from the limit surface is at
-  // most this, in model units; greater than 0. See engine/limit/chord_bound.h.
+  // most this, in model units; greater than 0. Not built yet: UNIMPLEMENTED.
   std::optional<double> chord_tolerance;
   // Whether to tessellate; without, only the control mesh is found.
   bool surface = true;
@@ -61,10 +62,12 @@ struct InterpolateResult {
   // The limit surface; its first vertices are the limit points of the input's vertices, in order.
   // Empty without `surface`.
   Tessellation surface;
+  // With `fair`, where a surface or its patches were asked for.
+  std::optional<FairnessReport> fairness;
   // With `keep_patches`.
   std::optional<DooSabinSurface> patches;
   // In the order in which they ran: "build", "solve", and with a surface "first_refinement",
-  // "perturb", "refine", "limit".
+  // "perturb", "fair" if asked for, "refine", "limit".
   std::vector<StageTime> stages;
 };
 
@@ -74,6 +77,13 @@ struct InterpolateResult {
 [[nodiscard]] std::uint64_t EstimateBytes(std::uint64_t vertices, std::uint64_t faces,
                                           std::uint64_t corners, const InterpolateOptions& options,
                                           std::uint64_t boundary_edges = 0);
+
+// Bytes of the tessellation that Interpolate returns for such a mesh and options; 0 without
+// `surface`. Otherwise as above.
+[[nodiscard]] std::uint64_t EstimateSurfaceBytes(std::uint64_t vertices, std::uint64_t faces,
+                                                 std::uint64_t corners,
+                                                 const InterpolateOptions& options,
+                                                 std::uint64_t boundary_edges = 0);
 
 // Interpolates vertices of an oriented 2-manifold mesh, open or closed, of any arities and number
 // of components.

@@ -36,6 +36,20 @@ struct Counts {
   }
 };
 
+Counts MakeCounts(std::uint64_t vertices, std::uint64_t faces, std::uint64_t corners,
+                  std::uint64_t boundary_edges) {
+  return {.vertices = static_cast<double>(vertices),
+          .edges = (static_cast<double>(corners) + static_cast<double>(boundary_edges)) / 2,
+          .faces = static_cast<double>(faces),
+          .half_edges = static_cast<double>(corners),
+          .boundary = static_cast<double>(boundary_edges)};
+}
+
+std::uint64_t Saturated(double bytes) {
+  return bytes >= kMost ? std::numeric_limits<std::uint64_t>::max()
+                        : static_cast<std::uint64_t>(bytes);
+}
+
 // A mesh from HalfEdgeMesh::Build: vertex, face, twin, edge, fan and room for as many edges; first
 // half-edges and fans of vertices; first corners of faces.
 double BuiltMesh(const Counts& n) {
@@ -87,12 +101,28 @@ double Plan(const Counts& n, const Constraints& constraints) {
   return Bytes(n.vertices, 1) + 3 * Bytes(specials, sizeof(SpecialVertex));
 }
 
+// The tessellation with T^(level - 1), or with the input at level 0.
+double TessellationBytes(const Counts& n, const InterpolateOptions& options) {
+  const Counts surface = options.level == 0 ? n : n.Split();
+  return Points(surface.vertices) * (options.normals ? 2 : 1) +
+         (options.level == 0 ? Indices(n.faces + 1) + Indices(n.half_edges)
+                             : Indices(4 * n.half_edges));
+}
+
+// What Fair holds beside the patches: some 300 bytes a corner, and T^1 with the points of M^2.
+double FairBytes(const Counts& n) {
+  const Counts split = n.Split();
+  return Bytes(n.half_edges, 300) + SplitMesh(split) + Points(split.half_edges) + Curve(split) +
+         Indices(2 * n.half_edges) + 2 * Indices(n.vertices + n.faces + 1);
+}
+
 // The most of the surface's stages. `n`: of the input.
 double SurfacePeak(Counts n, const InterpolateOptions& options) {
   double mesh = BuiltMesh(n);
   const double patches = mesh + Points(n.half_edges) + Curve(n);
-  if (!options.surface) return patches;
   double peak = patches;
+  if (options.fair) peak += FairBytes(n);
+  if (!options.surface) return peak;
   double fans = options.keep_patches ? patches : 0;
   if (options.level >= 2) {
     // At most every vertex and face is extraordinary.
@@ -107,23 +137,24 @@ double SurfacePeak(Counts n, const InterpolateOptions& options) {
                               std::max(Points(n.half_edges), mesh));
     n = split;
   }
-  const Counts surface = options.level == 0 ? n : n.Split();
-  const double tessellation = Points(surface.vertices) * (options.normals ? 2 : 1) +
-                              (options.level == 0 ? Indices(n.faces + 1) + Indices(n.half_edges)
-                                                  : Indices(4 * n.half_edges));
-  return std::max(peak, fans + mesh + Curve(n) + Points(n.half_edges) + tessellation);
+  return std::max(peak,
+                  fans + mesh + Curve(n) + Points(n.half_edges) + TessellationBytes(n, options));
 }
 
 }  // namespace
 
+std::uint64_t EstimateSurfaceBytes(std::uint64_t vertices, std::uint64_t faces,
+                                   std::uint64_t corners, const InterpolateOptions& options,
+                                   std::uint64_t boundary_edges) {
+  if (!options.surface) return 0;
+  Counts n = MakeCounts(vertices, faces, corners, boundary_edges);
+  for (std::uint32_t k = 1; k < options.level && n.vertices < kMost; ++k) n = n.Split();
+  return Saturated(TessellationBytes(n, options));
+}
+
 std::uint64_t EstimateBytes(std::uint64_t vertices, std::uint64_t faces, std::uint64_t corners,
                             const InterpolateOptions& options, std::uint64_t boundary_edges) {
-  const Counts n = {
-      .vertices = static_cast<double>(vertices),
-      .edges = (static_cast<double>(corners) + static_cast<double>(boundary_edges)) / 2,
-      .faces = static_cast<double>(faces),
-      .half_edges = static_cast<double>(corners),
-      .boundary = static_cast<double>(boundary_edges)};
+  const Counts n = MakeCounts(vertices, faces, corners, boundary_edges);
   // The control points, and the input's where they are moved to the origin.
   const double control = 2 * Points(n.vertices) + Plan(n, options.constraints) + Curve(n) +
                          Points(n.boundary) + Indices(n.boundary);
@@ -132,8 +163,7 @@ std::uint64_t EstimateBytes(std::uint64_t vertices, std::uint64_t faces, std::ui
     peak = std::max(peak, control + SurfacePeak(n, options));
   // Lists of blocks and of runs.
   peak += peak / 64 + 4096;
-  return peak >= kMost ? std::numeric_limits<std::uint64_t>::max()
-                       : static_cast<std::uint64_t>(peak);
+  return Saturated(peak);
 }
 
 }  // namespace limn

@@ -36,6 +36,7 @@ constexpr std::array kKinds = {
     KindEntry{MeshKind::kCube, "cube", true, 8, generate::Cube},
     KindEntry{MeshKind::kGrid, "grid", false, 4, generate::Grid},
     KindEntry{MeshKind::kDisk, "disk", false, 4, generate::Disk},
+    KindEntry{MeshKind::kGradedBox, "graded_box", true, 8, generate::GradedBox},
 };
 
 const KindEntry* FindKind(MeshKind kind) {

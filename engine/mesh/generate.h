@@ -35,6 +35,9 @@ enum class MeshKind {
   kGrid,
   // An open, wavy disk of polygons of 3 to 8 sides. Exactly `vertices`.
   kDisk,
+  // A box of quads whose grid lines crowd at its edges, as in a mesh for flow along walls: lengths
+  // grow up to about fifty-fold from each edge to the middle. Counts as kCube.
+  kGradedBox,
 };
 
 struct GenerateOptions {

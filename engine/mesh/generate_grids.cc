@@ -101,6 +101,20 @@ Buffer<double> GradedSteps(Index n, double growth, Random* random) {
   return at;
 }
 
+// Lengths that grow geometrically from both ends to the middle, each off by up to a tenth; the
+// growth over half of n steps comes close to exp(4) for large n. n + 1 coordinates centred at 0.
+Buffer<double> CrowdedSteps(Index n, Random* random) {
+  Buffer<double> at(n + 1, 0);
+  const double ratio = 1 + 8.0 / n;
+  Buffer<double> length(n, 1);
+  for (Index i = 1; i < n - n / 2; ++i) length[i] = length[i - 1] * ratio;
+  for (Index i = n - n / 2; i < n; ++i) length[i] = length[n - 1 - i];
+  for (Index i = 0; i < n; ++i) at[i + 1] = at[i] + length[i] * random->Between(0.9, 1.1);
+  const double middle = at[n] / 2;
+  for (double& x : at) x = (x - middle) / middle;
+  return at;
+}
+
 // The surface of a box of x by y by z cells. Its vertices are numbered layer by layer: the whole
 // bottom, the outlines of the layers between, the whole top.
 struct Box {
@@ -166,6 +180,25 @@ void AddBoxFaces(const Box& box, PolygonMesh* mesh) {
                      box.OnTop(column + 1, row + 1), box.OnTop(column, row + 1)});
     }
   }
+}
+
+PolygonMesh BoxOfGridLines(const Box& box, absl::Span<const double> x, absl::Span<const double> y,
+                           absl::Span<const double> z) {
+  PolygonMesh mesh;
+  for (Index layer = 0; layer <= box.z; ++layer) {
+    if (layer == 0 || layer == box.z) {
+      for (const double row : y) {
+        for (const double column : x) mesh.positions.push_back({column, row, z[layer]});
+      }
+      continue;
+    }
+    for (Index k = 0; k < box.outline(); ++k) {
+      const auto [column, row] = box.OutlinePlace(k);
+      mesh.positions.push_back({x[column], y[row], z[layer]});
+    }
+  }
+  AddBoxFaces(box, &mesh);
+  return mesh;
 }
 
 // A lattice of nodes, filled row by row and layer by layer, in a cube of `side` nodes a side.
@@ -255,21 +288,15 @@ PolygonMesh Cube(std::uint64_t vertices, Random* random) {
   const Buffer<double> x = GradedSteps(box.x, 4, random);
   const Buffer<double> y = GradedSteps(box.y, 4, random);
   const Buffer<double> z = GradedSteps(box.z, 4, random);
-  PolygonMesh mesh;
-  for (Index layer = 0; layer <= box.z; ++layer) {
-    if (layer == 0 || layer == box.z) {
-      for (const double row : y) {
-        for (const double column : x) mesh.positions.push_back({column, row, z[layer]});
-      }
-      continue;
-    }
-    for (Index k = 0; k < box.outline(); ++k) {
-      const auto [column, row] = box.OutlinePlace(k);
-      mesh.positions.push_back({x[column], y[row], z[layer]});
-    }
-  }
-  AddBoxFaces(box, &mesh);
-  return mesh;
+  return BoxOfGridLines(box, x, y, z);
+}
+
+PolygonMesh GradedBox(std::uint64_t vertices, Random* random) {
+  const Box box = FitBox(vertices);
+  const Buffer<double> x = CrowdedSteps(box.x, random);
+  const Buffer<double> y = CrowdedSteps(box.y, random);
+  const Buffer<double> z = CrowdedSteps(box.z, random);
+  return BoxOfGridLines(box, x, y, z);
 }
 
 PolygonMesh HighGenus(std::uint64_t vertices, Random* random) {

@@ -17,5 +17,6 @@ PolygonMesh Ngons(std::uint64_t vertices, Random* random);
 PolygonMesh Cube(std::uint64_t vertices, Random* random);
 PolygonMesh Grid(std::uint64_t vertices, Random* random);
 PolygonMesh Disk(std::uint64_t vertices, Random* random);
+PolygonMesh GradedBox(std::uint64_t vertices, Random* random);
 
 }  // namespace limn::generate

@@ -175,12 +175,11 @@ absl::Status ValidateSolveOptions(const SolveOptions& options) {
                       .field = "solve.tolerance",
                       .remedy = "It must be at least 0 and below 1"});
   }
-  constexpr std::uint32_t kMostSweeps = 10000;
-  if (options.max_sweeps > kMostSweeps) {
+  if (options.max_sweeps > kMaxSweeps) {
     return MakeError(absl::StrCat("the solve's largest number of sweeps is ", options.max_sweeps),
                      {.reason = Reason::kInvalidOption,
                       .field = "solve.max_sweeps",
-                      .remedy = absl::StrCat("It must be at most ", kMostSweeps)});
+                      .remedy = absl::StrCat("It must be at most ", kMaxSweeps)});
   }
   return absl::OkStatus();
 }

@@ -17,7 +17,12 @@
 namespace limn {
 
 enum class SolveMethod {
-  // Chebyshev semi-iteration with the stencil's proven spectral bounds. No dot products.
+  // Chebyshev semi-iteration with the stencil's proven spectral bounds. No dot products. After k
+  // sweeps the error is at most 1 / T_k((high + low) / (high - low)) of the start's in the norm
+  // weighted with valences, on every mesh: for the modified rule 2e-13 after 17 sweeps. In the
+  // maximum norm, which stops it, the two differ by at most sqrt(sum of valences / least valence);
+  // meshes of ordinary connectivity do not show it (at most 18 sweeps to 1e-12), some of very high
+  // genus take one or two more.
   kChebyshev,
   // Each vertex solves its own equation with the values of the sweep before [ZC Eq. 7]. Converges
   // for the modified rule; for the standard one it may diverge where faces have six or more
@@ -27,13 +32,16 @@ enum class SolveMethod {
   kGaussSeidel,
 };
 
+// Largest max_sweeps.
+inline constexpr std::uint32_t kMaxSweeps = 10'000;
+
 struct SolveOptions {
   SolveMethod method = SolveMethod::kChebyshev;
   // [ZC]'s EPS: stop when the largest move of a vertex in a sweep (maximum norm) is at most this
   // part of the bounding box's diagonal. Chebyshev asks it of the residual before the sweep too. In
   // [0, 1). 0 runs max_sweeps.
   double tolerance = 1e-12;
-  // [ZC]'s ITE_MAX, 0 to 10,000. 0 leaves the given points as control points.
+  // [ZC]'s ITE_MAX, 0 to kMaxSweeps. 0 leaves the given points as control points.
   std::uint32_t max_sweeps = 100;
 };
 

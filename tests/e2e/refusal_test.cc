@@ -162,6 +162,23 @@ TEST_F(RefusalE2e, MessageNamesTheFileOrThePlaceAndTheRemedy) {
   }
 }
 
+TEST_F(RefusalE2e, WhatRepairWouldMendSaysSo) {
+  const std::string cube = kCube;
+  const std::string broken[] = {
+      Replaced(cube, "f 5 6 7 8", "f 5 6"),
+      Replaced(cube, "f 5 6 7 8", "f 5 6 6 8"),
+      cube + "f 4 3 2 1\n",
+      Replaced(cube, "f 5 6 7 8", "f 8 7 6 5"),
+      "v 9 9 9\n" + Replaced(cube, "f 4 3 2 1", "f 5 4 3 2"),
+  };
+  for (const std::string& bytes : broken) {
+    WriteAll(At("in.obj"), bytes);
+    const RunResult run = space_.Limn({"interpolate", At("in.obj")});
+    EXPECT_EQ(run.status, 1);
+    EXPECT_NE(run.errors.find("--repair"), std::string::npos) << run.errors;
+  }
+}
+
 TEST_F(RefusalE2e, FilesThatAreNotThereOrOfNoKnownKindAreNamed) {
   const RunResult missing = space_.Limn({"interpolate", At("nowhere.obj"), "-o", At("s.obj")});
   EXPECT_EQ(missing.status, 1);
@@ -173,6 +190,27 @@ TEST_F(RefusalE2e, FilesThatAreNotThereOrOfNoKnownKindAreNamed) {
   const RunResult directory = space_.Limn({"interpolate", At("."), "-o", At("s.obj")});
   EXPECT_EQ(directory.status, 1);
   EXPECT_EQ(space_.Files(), std::vector<std::string>{"in.docx"});
+}
+
+// The table is printed before the files appear.
+TEST_F(RefusalE2e, AFullStandardOutputLeavesNoFile) {
+  WriteAll(At("in.obj"), kCube);
+  const std::string command = "'" LIMN_BINARY "' interpolate '" + At("in.obj") + "' -o '" +
+                              At("s.obj") + "' >/dev/full 2>'" + At("errors") + "'";
+  EXPECT_NE(std::system(command.c_str()), 0);
+  EXPECT_FALSE(std::filesystem::exists(At("s.obj")));
+  EXPECT_NE(ReadAll(At("errors")).find("standard output"), std::string::npos);
+}
+
+TEST_F(RefusalE2e, AByteOrderMarkIsNoPartOfTheFile) {
+  WriteAll(At("in.obj"), std::string("\xef\xbb\xbf") + kCube);
+  const RunResult run = space_.Limn({"info", At("in.obj")});
+  EXPECT_EQ(run.status, 0) << run.errors;
+  EXPECT_NE(run.output.find("vertices"), std::string::npos);
+  EXPECT_EQ(space_.Limn({"interpolate", At("in.obj"), "-o", At("s.off")}).status, 0);
+  const std::string off = ReadAll(At("s.off"));
+  // 8 vertices, 24 corners, 12 edges and 6 faces make 26 vertices at level 1, 98 at level 2.
+  EXPECT_TRUE(off.starts_with("OFF\n98 96 ")) << off.substr(0, 20);
 }
 
 TEST_F(RefusalE2e, AFailureLeavesAnOlderOutputAsItWas) {

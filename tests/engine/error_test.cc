@@ -27,6 +27,7 @@ const std::map<Reason, Expected>& AllReasons() {
       {Reason::kRepeatedVertex, {"REPEATED_VERTEX", absl::StatusCode::kInvalidArgument}},
       {Reason::kNonFiniteCoordinate, {"NON_FINITE_COORDINATE", absl::StatusCode::kInvalidArgument}},
       {Reason::kCoordinateTooLarge, {"COORDINATE_TOO_LARGE", absl::StatusCode::kInvalidArgument}},
+      {Reason::kExtentTooSmall, {"EXTENT_TOO_SMALL", absl::StatusCode::kInvalidArgument}},
       {Reason::kIsolatedVertex, {"ISOLATED_VERTEX", absl::StatusCode::kInvalidArgument}},
       {Reason::kNonManifoldEdge, {"NON_MANIFOLD_EDGE", absl::StatusCode::kInvalidArgument}},
       {Reason::kInconsistentOrientation,
@@ -67,7 +68,8 @@ TEST(Error, DetailsComeBackAsTheyWereGiven) {
           ErrorDetail{.reason = reason, .field = "mesh.faces", .index = 0, .remedy = "Do, so: it"},
           ErrorDetail{.reason = reason, .index = ~std::uint64_t{0}},
           ErrorDetail{.reason = reason, .field = "solve.tolerance"},
-          ErrorDetail{.reason = reason, .remedy = "Two\nlines"}}) {
+          ErrorDetail{.reason = reason, .remedy = "Two\nlines", .limit = "max-level"},
+          ErrorDetail{.reason = reason, .remedy = "Wait", .retryable = true}}) {
       const absl::Status status = MakeError("what happened", detail);
       EXPECT_EQ(status.code(), expected.code);
       const auto back = GetErrorDetail(status);
@@ -76,6 +78,8 @@ TEST(Error, DetailsComeBackAsTheyWereGiven) {
       EXPECT_EQ(back->field, detail.field);
       EXPECT_EQ(back->index, detail.index);
       EXPECT_EQ(back->remedy, detail.remedy);
+      EXPECT_EQ(back->limit, detail.limit);
+      EXPECT_EQ(back->retryable, detail.retryable);
     }
   }
 }

@@ -6,6 +6,8 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "engine/mesh/mesh_info.h"
 #include "tests/oracle/expect.h"
@@ -55,7 +57,7 @@ void ExpectSound(const GenerateOptions& options) {
   EXPECT_EQ(info.closed(), IsClosedKind(options.kind));
   EXPECT_EQ(info.boundary_loops, IsClosedKind(options.kind) ? 0U : 1U);
   EXPECT_GE(info.valences.begin()->first, IsClosedKind(options.kind) ? 3U : 2U);
-  if (options.kind == MeshKind::kCube) {
+  if (options.kind == MeshKind::kCube || options.kind == MeshKind::kGradedBox) {
     EXPECT_LE(info.vertices, options.vertices);
     if (options.vertices >= 200) {
       EXPECT_GE(10 * info.vertices, 9 * options.vertices);
@@ -187,23 +189,32 @@ TEST(GenerateKindsTest, NgonsMeetInThreesAndHaveUpToTwelveSides) {
   EXPECT_EQ(info.genus, 0);
 }
 
-TEST(GenerateKindsTest, CubeHasUnequalEdges) {
-  const PolygonMesh mesh = Generate({MeshKind::kCube, 5000, 1});
-  const MeshInfo info = DescribeMesh(mesh);
-  EXPECT_EQ(info.arities.size(), 1U);
-  EXPECT_EQ(info.genus, 0);
+double LongestOverShortestEdge(const PolygonMesh& mesh) {
   double shortest = 1e300;
   double longest = 0;
   for (std::size_t f = 0; f < mesh.face_count(); ++f) {
     const absl::Span<const Index> face = mesh.face(f);
-    for (std::size_t i = 0; i < 4; ++i) {
-      const double length = Norm(mesh.positions[face[(i + 1) % 4]] - mesh.positions[face[i]]);
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      const Vec3& end = mesh.positions[face[(i + 1) % face.size()]];
+      const double length = Norm(end - mesh.positions[face[i]]);
       shortest = std::min(shortest, length);
       longest = std::max(longest, length);
     }
   }
-  EXPECT_GT(longest, 3 * shortest);
-  EXPECT_GT(shortest, 0);
+  return longest / shortest;
+}
+
+TEST(GenerateKindsTest, BoxesHaveUnequalEdges) {
+  const std::vector<std::pair<MeshKind, double>> boxes = {{MeshKind::kCube, 3},
+                                                          {MeshKind::kGradedBox, 20}};
+  for (const auto& [kind, least] : boxes) {
+    const PolygonMesh mesh = Generate({kind, 5000, 1});
+    const MeshInfo info = DescribeMesh(mesh);
+    EXPECT_EQ(info.arities.size(), 1U);
+    EXPECT_EQ(info.genus, 0);
+    EXPECT_GT(LongestOverShortestEdge(mesh), least);
+    EXPECT_LT(LongestOverShortestEdge(mesh), 100);
+  }
 }
 
 // The bits of one mesh, so that a platform that differs shows up.

@@ -62,6 +62,11 @@ TEST(InterpolateLimits, SchemesThatAreNotBuiltAnswerUnimplemented) {
   }
 }
 
+TEST(InterpolateLimits, AChordToleranceAnswersUnimplemented) {
+  ExpectError(Refusal(oracle::Cube(), {.chord_tolerance = 0.1}),
+              {Reason::kUnimplemented, "surface.chord_tolerance"});
+}
+
 TEST(InterpolateLimits, RefusesOptionsOutOfRange) {
   const PolygonMesh cube = oracle::Cube();
   ExpectError(Refusal(cube, {.solve = {.tolerance = std::nan("")}}),

@@ -356,6 +356,7 @@ TEST(InterpolateOpen, EstimateIsAnUpperBoundWithinAFactorOfTwo) {
         {.level = 3},
         {.level = 2, .keep_patches = true},
         {.surface = false, .keep_patches = true},
+        {.fair = true, .level = 1},
         {.rule = FirstRule::kStandard, .solve = {.method = SolveMethod::kJacobi}, .surface = false},
         {.rule = FirstRule::kStandard, .constraints = constraints, .level = 1}};
     for (const InterpolateOptions& options : cases) {
@@ -378,6 +379,27 @@ TEST(InterpolateOpen, CornersAreMetEvenWhereTheyAreNotInterpolated) {
   }
   // Nothing else was asked for: the given points are the control points.
   EXPECT_TRUE(result.control_positions == mesh.positions);
+}
+
+TEST(InterpolateConstraints, FairingKeepsPointsNormalsAndBoundariesAndNeverRaisesTheEnergy) {
+  for (const std::string name :
+       {"QuadPatchJittered", "CubeWithoutLid", "TorusOfTrianglesWithHole"}) {
+    SCOPED_TRACE(name);
+    const PolygonMesh mesh = oracle::OpenMesh(name);
+    InterpolateOptions options = {
+        .constraints = {.normals = {{1, {0.3, 0.2, 1}}}, .shape_handles = {{2, 0.5}}}, .level = 2};
+    const InterpolateResult plain = InterpolateOrDie(mesh, options);
+    EXPECT_FALSE(plain.fairness.has_value());
+    options.fair = true;
+    const InterpolateResult fair = InterpolateOrDie(mesh, options);
+    ASSERT_TRUE(fair.fairness.has_value());
+    EXPECT_LE(fair.fairness->energy_after, fair.fairness->energy_before);
+    for (Index v = 0; v < mesh.vertex_count(); ++v) {
+      EXPECT_LE(Norm(fair.surface.positions[v] - mesh.positions[v]), 1e-13) << v;
+    }
+    EXPECT_LE(Norm(Cross(fair.surface.normals[1], NormalizedOrZero({0.3, 0.2, 1}))), 1e-10);
+    EXPECT_EQ(BoundaryPoints(fair.surface), BoundaryPoints(plain.surface));
+  }
 }
 
 TEST(InterpolateConstraints, OppositeNormalsGiveTheSameBits) {

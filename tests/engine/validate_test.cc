@@ -91,6 +91,18 @@ TEST(Validate, DiagnosisOfGoodEdgesIsOk) {
   }
 }
 
+TEST(Validate, IndicesAloneLeaveAritiesToRepair) {
+  PolygonMesh mesh = oracle::Cube();
+  mesh.AddFace({0, 1});
+  mesh.AddFace({});
+  mesh.AddFace({0, 1, 0});
+  EXPECT_TRUE(ValidateIndices(Context(), mesh).ok());
+  oracle::ExpectError(ValidateFaces(Context(), mesh), {Reason::kFaceTooSmall, "mesh.faces", 6});
+  mesh.AddFace({0, 8});
+  oracle::ExpectError(ValidateIndices(Context(), mesh),
+                      {Reason::kIndexOutOfRange, "mesh.faces", 9});
+}
+
 TEST(Validate, EndsWhenTheJobIsCancelled) {
   const Context cancelled;
   cancelled.Cancel();

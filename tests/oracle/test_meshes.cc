@@ -41,39 +41,6 @@ std::vector<Index> Reversed(std::vector<Index> face) {
   return face;
 }
 
-// The boundary of a set of unit cubes, quads facing outwards.
-PolygonMesh CubesSurface(const std::set<std::array<int, 3>>& cubes) {
-  PolygonMesh mesh;
-  std::map<std::array<int, 3>, Index> numbers;
-  const auto number = [&](const std::array<int, 3>& p) {
-    const auto [at, fresh] = numbers.emplace(p, static_cast<Index>(mesh.positions.size()));
-    if (fresh) {
-      mesh.positions.push_back(
-          {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])});
-    }
-    return at->second;
-  };
-  for (const auto& cube : cubes) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      for (const int side : {0, 1}) {
-        std::array<int, 3> neighbour = cube;
-        neighbour[axis] += side == 1 ? 1 : -1;
-        if (cubes.count(neighbour) != 0) continue;
-        std::vector<Index> face;
-        for (const auto& [u, v] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}}) {
-          std::array<int, 3> corner = cube;
-          corner[axis] += side;
-          corner[(axis + 1) % 3] += u;
-          corner[(axis + 2) % 3] += v;
-          face.push_back(number(corner));
-        }
-        Add(&mesh, side == 1 ? face : Reversed(face));
-      }
-    }
-  }
-  return mesh;
-}
-
 // A grid around a torus; the faces are added by `add` from the four corners of each cell.
 PolygonMesh Torus(int around, int across,
                   const std::function<void(PolygonMesh*, const std::array<Index, 4>&)>& add) {
@@ -267,6 +234,38 @@ PolygonMesh TorusOfTriangles(int around, int across) {
 }
 
 PolygonMesh TwoComponents() { return Appended(Tetrahedron(), Cube(), {4, 1, 0}); }
+
+PolygonMesh CubesSurface(const std::set<std::array<int, 3>>& cubes) {
+  PolygonMesh mesh;
+  std::map<std::array<int, 3>, Index> numbers;
+  const auto number = [&](const std::array<int, 3>& p) {
+    const auto [at, fresh] = numbers.emplace(p, static_cast<Index>(mesh.positions.size()));
+    if (fresh) {
+      mesh.positions.push_back(
+          {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])});
+    }
+    return at->second;
+  };
+  for (const auto& cube : cubes) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (const int side : {0, 1}) {
+        std::array<int, 3> neighbour = cube;
+        neighbour[axis] += side == 1 ? 1 : -1;
+        if (cubes.count(neighbour) != 0) continue;
+        std::vector<Index> face;
+        for (const auto& [u, v] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}}) {
+          std::array<int, 3> corner = cube;
+          corner[axis] += side;
+          corner[(axis + 1) % 3] += u;
+          corner[(axis + 2) % 3] += v;
+          face.push_back(number(corner));
+        }
+        Add(&mesh, side == 1 ? face : Reversed(face));
+      }
+    }
+  }
+  return mesh;
+}
 
 PolygonMesh GenusThree() {
   std::set<std::array<int, 3>> cubes;

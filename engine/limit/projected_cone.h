@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+// How far a piece of surface turns away from a plane, and how much it shrinks when it is projected
+// onto it, from finitely many of its derivatives. Used by engine/limit/chord_bound.h, which says
+// what for.
+//
+// All that is kept about the derivatives a along one parameter holds for their convex hull as well,
+// which is why it is kept in this form: with the unit vectors n (normal), x and y = n x x,
+//   a . x >= least > 0,   low <= (a . y) / (a . x) <= high,   |a . n| <= slope (a . x).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "engine/base/vec3.h"
+
+namespace limn {
+
+class DirectionCone {
+ public:
+  // Unit vectors, perpendicular to each other; zero vectors make a cone that is not valid.
+  DirectionCone(const Vec3& normal, const Vec3& axis)
+      : normal_(normal), axis_(axis), side_(Cross(normal, axis)) {}
+
+  // Adds a and all vectors that differ from it by up to `in_plane` in the plane and `off_plane`
+  // along the normal.
+  void Add(const Vec3& a, double in_plane = 0, double off_plane = 0) {
+    const double along = Dot(a, axis_);
+    const double sideways = Dot(a, side_);
+    const double least = along - in_plane;
+    least_ = std::min(least_, least);
+    if (!(least > 0)) return;
+    const double most = along + in_plane;
+    const double left = sideways + in_plane;
+    const double right = sideways - in_plane;
+    high_ = std::max(high_, left / (left > 0 ? least : most));
+    low_ = std::min(low_, right / (right < 0 ? least : most));
+    slope_ = std::max(slope_, (std::fabs(Dot(a, normal_)) + off_plane) / least);
+  }
+  void Add(const DirectionCone& other) {
+    least_ = std::min(least_, other.least_);
+    high_ = std::max(high_, other.high_);
+    low_ = std::min(low_, other.low_);
+    slope_ = std::max(slope_, other.slope_);
+  }
+
+  bool valid() const { return least_ > 0 && std::isfinite(slope_); }
+  double least() const { return least_; }
+  double slope() const { return slope_; }
+  const Vec3& axis() const { return axis_; }
+  // The outermost directions in the plane, clockwise and counter-clockwise; not unit.
+  Vec3 Low() const { return axis_ + low_ * side_; }
+  Vec3 High() const { return axis_ + high_ * side_; }
+
+ private:
+  Vec3 normal_;
+  Vec3 axis_;
+  Vec3 side_;
+  double least_ = std::numeric_limits<double>::infinity();
+  double low_ = std::numeric_limits<double>::infinity();
+  double high_ = -std::numeric_limits<double>::infinity();
+  double slope_ = 0;
+};
+
+inline constexpr double kRightAngle = std::numbers::pi / 2;
+
+// The angle between two unit vectors, exact also where it is small.
+inline double AngleBetween(const Vec3& a, const Vec3& b) {
+  return 2 * std::asin(std::min(1.0, 0.5 * Norm(a - b)));
+}
+
+// What follows for a piece of surface whose derivatives along u and v are in two cones.
+struct ProjectedCone {
+  Vec3 normal = {0, 0, 0};
+  // Every product (derivative along u) x (derivative along v) makes at most this angle with
+  // `normal`, and less than a right angle; a right angle or more: nothing is known.
+  double angle = 4 * kRightAngle;
+  // A step of length 1 in the parameters moves the projection along `normal` by at least this.
+  double stretch = 0;
+
+  bool valid() const { return angle < kRightAngle; }
+};
+
+// Let p and q be the angles of a pair's projections, psi the angle between these, in (0, pi) for
+// all pairs if it is for the outermost. The product's part in the plane is at most (slope_u +
+// slope_v) |p| |q|, that along the normal |p| |q| sin psi. The length of x p + y q is at least
+// min(|p|, |q|) sqrt(1 - |cos psi|) |(x, y)|.
+inline ProjectedCone ConeOf(const Vec3& normal, const DirectionCone& u, const DirectionCone& v) {
+  ProjectedCone cone = {.normal = normal};
+  if (!u.valid() || !v.valid()) return cone;
+  const auto sine = [&](const Vec3& a, const Vec3& b) {
+    return Dot(normal, Cross(a, b)) / std::sqrt(Dot(a, a) * Dot(b, b));
+  };
+  // Neither cone is as wide as pi, so that psi stays in (0, pi) if these three say so.
+  const double narrow = sine(u.High(), v.Low());
+  const double wide = sine(u.Low(), v.High());
+  const double least = std::min(narrow, wide);
+  if (!(least > 0 && sine(u.axis(), v.axis()) > 0)) return cone;
+  const double cosine = std::sqrt(std::max(0.0, 1 - least * least));
+  cone.angle = std::atan((u.slope() + v.slope()) / least);
+  cone.stretch = std::min(u.least(), v.least()) * std::sqrt(1 - cosine);
+  return cone;
+}
+
+}  // namespace limn
