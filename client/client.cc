@@ -3,166 +3,18 @@
 
 #include <grpcpp/grpcpp.h>
 
-#include <chrono>
-#include <limits>
-#include <thread>
+#include <memory>
 #include <utility>
 
+#include "client/client_call.h"
+#include "client/result_collector.h"
 #include "engine/base/error.h"
 #include "limn/v1/limn.grpc.pb.h"
-#include "proto/wire/chunks.h"
-#include "proto/wire/mesh_codec.h"
 #include "proto/wire/status.h"
-#include "proto/wire/tile_codec.h"
 
 namespace limn {
-namespace {
 
-absl::Status BadAnswer(std::string_view message) {
-  return MakeError(message, {.reason = Reason::kMalformedRequest,
-                             .remedy = "Is this a server of another version?"});
-}
-
-absl::Status CheckOptions(const ClientOptions& options) {
-  if (options.chunk_bytes == 0 || options.chunk_bytes > wire::kMaxChunkBytes) {
-    return MakeError("chunk_bytes is not in [1, 1 MiB]",
-                     {.reason = Reason::kInvalidOption, .field = "chunk_bytes"});
-  }
-  if (!(options.deadline_seconds >= 0)) {
-    return MakeError("deadline_seconds is negative or no number",
-                     {.reason = Reason::kInvalidOption, .field = "deadline_seconds"});
-  }
-  return absl::OkStatus();
-}
-
-void SetDeadline(const ClientOptions& options, grpc::ClientContext* context) {
-  // A century is as good as none, and fits the clock.
-  constexpr double kLongest = 3e9;
-  if (options.deadline_seconds <= 0 || options.deadline_seconds >= kLongest) return;
-  context->set_deadline(std::chrono::system_clock::now() +
-                        std::chrono::duration_cast<std::chrono::system_clock::duration>(
-                            std::chrono::duration<double>(options.deadline_seconds)));
-}
-
-// Puts an answer together.
-class ResultCollector {
- public:
-  ResultCollector()
-      : surface_(std::numeric_limits<Index>::max(), std::numeric_limits<Index>::max()) {}
-
-  absl::Status Add(const v1::InterpolateResponse& message) {
-    if (message.has_control_mesh()) return AddControlMesh(message.control_mesh());
-    if (message.has_tile()) {
-      has_surface_ = true;
-      return surface_.Add(message.tile());
-    }
-    if (message.has_summary()) {
-      has_summary_ = true;
-      result_.summary = message.summary();
-    }
-    return absl::OkStatus();
-  }
-
-  absl::StatusOr<JobResult> Finish() {
-    if (!has_summary_) return BadAnswer("the answer has no summary");
-    if (control_bytes_.has_value() && !control_bytes_->complete()) {
-      return BadAnswer("the answer's control mesh is not complete");
-    }
-    if (has_surface_) {
-      LIMN_ASSIGN_OR_RETURN(result_.surface, surface_.Finish());
-      result_.surface.level = result_.summary.level();
-      if (result_.surface.vertex_count() != result_.summary.surface_vertices()) {
-        return BadAnswer("the answer's surface is not complete");
-      }
-    }
-    return std::move(result_);
-  }
-
- private:
-  absl::Status AddControlMesh(const v1::ControlMeshPart& part) {
-    if (part.has_header()) {
-      LIMN_RETURN_IF_ERROR(wire::CheckHeader(Limits{}, part.header()));
-      control_header_ = part.header();
-      control_bytes_.emplace(part.header().byte_count());
-      return absl::OkStatus();
-    }
-    if (!control_bytes_.has_value()) return BadAnswer("the answer's control mesh has no header");
-    LIMN_RETURN_IF_ERROR(control_bytes_->Add(part.chunk()));
-    if (!control_bytes_->complete()) return absl::OkStatus();
-    LIMN_ASSIGN_OR_RETURN(result_.control_mesh, wire::DecodeMesh(Context{}, control_header_,
-                                                                 control_bytes_->TakeBytes()));
-    return absl::OkStatus();
-  }
-
-  JobResult result_;
-  v1::MeshHeader control_header_;
-  std::optional<wire::ChunkAssembler> control_bytes_;
-  wire::SurfaceAssembler surface_;
-  bool has_surface_ = false;
-  bool has_summary_ = false;
-};
-
-}  // namespace
-
-struct ClientJob::Impl {
-  using Stream = grpc::ClientReaderWriter<v1::InterpolateRequest, v1::InterpolateResponse>;
-
-  ~Impl() {
-    if (!finished) {
-      context.TryCancel();
-      (void)Finish();
-    }
-  }
-
-  // Until all is sent or the call has ended; why it ended is for Finish to say.
-  void Upload(const v1::InterpolateHeader& header, std::uint32_t chunk_bytes) {
-    v1::InterpolateRequest request;
-    *request.mutable_header() = header;
-    bool ok = stream->Write(request);
-    wire::ChunkReader chunks(mesh.bytes, chunk_bytes);
-    while (ok && chunks.Next(request.mutable_chunk())) ok = stream->Write(request);
-    if (ok) stream->WritesDone();
-    std::string().swap(mesh.bytes);
-  }
-
-  absl::Status Finish() {
-    if (finished) return status;
-    finished = true;
-    v1::InterpolateResponse dropped;
-    while (!all_read && stream->Read(&dropped)) {
-    }
-    // The call has ended, so that a write that still waits fails now.
-    uploader.join();
-    status = wire::FromGrpcStatus(stream->Finish());
-    return status;
-  }
-
-  grpc::ClientContext context;
-  std::unique_ptr<v1::LimnService::Stub> stub;
-  std::unique_ptr<Stream> stream;
-  wire::EncodedMesh mesh;
-  std::thread uploader;
-  bool all_read = false;
-  bool finished = false;
-  absl::Status status;
-};
-
-ClientJob::ClientJob(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-ClientJob::~ClientJob() = default;
-ClientJob::ClientJob(ClientJob&&) noexcept = default;
-ClientJob& ClientJob::operator=(ClientJob&&) noexcept = default;
-
-std::optional<v1::InterpolateResponse> ClientJob::Next() {
-  v1::InterpolateResponse message;
-  if (impl_->all_read || impl_->finished) return std::nullopt;
-  if (impl_->stream->Read(&message)) return message;
-  impl_->all_read = true;
-  return std::nullopt;
-}
-
-void ClientJob::Cancel() { impl_->context.TryCancel(); }
-
-absl::Status ClientJob::Finish() { return impl_->Finish(); }
+template class ClientCall<v1::InterpolateRequest, v1::InterpolateResponse>;
 
 Client Client::Connect(const std::string& address, const ClientOptions& options) {
   grpc::ChannelArguments arguments;
@@ -177,44 +29,32 @@ Client::Client(std::shared_ptr<grpc::Channel> channel, const ClientOptions& opti
 
 absl::StatusOr<ClientJob> Client::Submit(v1::InterpolateHeader header,
                                          const PolygonMesh& mesh) const {
-  LIMN_RETURN_IF_ERROR(CheckOptions(options_));
-  wire::MeshEncodeOptions encode;
-  if (header.mesh().encoding() != v1::MESH_ENCODING_UNSPECIFIED) {
-    encode.encoding = header.mesh().encoding();
-  }
-  if (encode.encoding == v1::MESH_ENCODING_DRACO_QUANTIZED &&
-      header.output().quantization_bits() != 0) {
-    encode.quantization_bits = static_cast<int>(header.output().quantization_bits());
-  }
-  auto impl = std::make_unique<ClientJob::Impl>();
-  // Nothing is finished before it has begun.
-  impl->finished = true;
-  LIMN_ASSIGN_OR_RETURN(impl->mesh, wire::EncodeMesh(Context{}, mesh, encode));
-  *header.mutable_mesh() = impl->mesh.header;
-
-  SetDeadline(options_, &impl->context);
-  impl->stub = v1::LimnService::NewStub(channel_);
-  impl->stream = impl->stub->Interpolate(&impl->context);
-  impl->finished = false;
-  impl->uploader = std::thread([raw = impl.get(), header = std::move(header),
-                                bytes = options_.chunk_bytes] { raw->Upload(header, bytes); });
-  return ClientJob(std::move(impl));
+  LIMN_ASSIGN_OR_RETURN(MeshUpload made, MeshUpload::Make(std::move(header), mesh, options_));
+  const auto upload = std::make_shared<MeshUpload>(std::move(made));
+  return ClientJob(std::make_unique<ClientJob::Impl>(
+      channel_, options_,
+      [](v1::LimnService::Stub& stub, grpc::ClientContext* context) {
+        return stub.Interpolate(context);
+      },
+      [upload](ClientJob::Impl::Stream& stream) {
+        return upload->Send([&](const v1::InterpolateRequest& part) { return stream.Write(part); });
+      }));
 }
 
 absl::StatusOr<JobResult> Client::Run(v1::InterpolateHeader header, const PolygonMesh& mesh,
                                       const ProgressCallback& on_progress) const {
   LIMN_ASSIGN_OR_RETURN(ClientJob job, Submit(std::move(header), mesh));
   ResultCollector collector;
-  while (const std::optional<v1::InterpolateResponse> message = job.Next()) {
+  while (std::optional<v1::InterpolateResponse> message = job.Next()) {
     if (message->has_progress() && on_progress && !on_progress(message->progress())) job.Cancel();
-    if (absl::Status status = collector.Add(*message); !status.ok()) return status;
+    if (absl::Status status = collector.Add(*std::move(message)); !status.ok()) return status;
   }
   LIMN_RETURN_IF_ERROR(job.Finish());
   return collector.Finish();
 }
 
 absl::StatusOr<v1::GetServerInfoResponse> Client::GetServerInfo() const {
-  LIMN_RETURN_IF_ERROR(CheckOptions(options_));
+  LIMN_RETURN_IF_ERROR(CheckClientOptions(options_));
   grpc::ClientContext context;
   SetDeadline(options_, &context);
   v1::GetServerInfoResponse response;

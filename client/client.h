@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// C++ client of limnd: connect, submit a job, iterate over what comes back, cancel.
+// C++ client of limnd: connect, submit a job, iterate over what comes back, cancel; evaluate a
+// surface.
 #pragma once
 
 #include <cstdint>
@@ -7,11 +8,15 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "engine/base/vec3.h"
+#include "engine/limit/evaluate.h"
 #include "engine/limit/tessellation.h"
 #include "engine/mesh/polygon_mesh.h"
+#include "limn/v1/evaluate.pb.h"
 #include "limn/v1/interpolate.pb.h"
 #include "limn/v1/server_info.pb.h"
 
@@ -21,36 +26,51 @@ class Channel;
 
 namespace limn {
 
-// One job, running. Not thread-safe except Cancel(); destroying it cancels what still runs.
-class ClientJob {
+// One call, running. Not thread-safe except Cancel(); destroying it cancels what still runs.
+template <class Request, class Response>
+class ClientCall {
  public:
-  ~ClientJob();
-  ClientJob(ClientJob&&) noexcept;
-  ClientJob& operator=(ClientJob&&) noexcept;
+  ~ClientCall();
+  ClientCall(ClientCall&&) noexcept;
+  ClientCall& operator=(ClientCall&&) noexcept;
 
   // Waits for the next message of the answer. Nothing: the answer is complete, see Finish.
-  std::optional<v1::InterpolateResponse> Next();
+  std::optional<Response> Next();
 
   // Stops the job on the server too. Thread-safe; may be called from a signal-watching thread.
   void Cancel();
 
-  // The job's end: ok, or the server's error with its detail (GetErrorDetail). Reads and drops
+  // The call's end: ok, or the server's error with its detail (GetErrorDetail). Reads and drops
   // what Next was not called for.
   [[nodiscard]] absl::Status Finish();
 
  private:
   friend class Client;
   struct Impl;
-  explicit ClientJob(std::unique_ptr<Impl> impl);
+  explicit ClientCall(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
+using ClientJob = ClientCall<v1::InterpolateRequest, v1::InterpolateResponse>;
+using ClientEvaluation = ClientCall<v1::EvaluateRequest, v1::EvaluateResponse>;
 
 // Everything that an Interpolate job gave.
 struct JobResult {
-  // With the input's faces (lossless encodings) when the control mesh was asked for.
+  // With the faces of the input, or of the repaired mesh where that was asked for (lossless
+  // encodings), when the control mesh was asked for.
   PolygonMesh control_mesh;
   // When the surface was asked for. Normals as doubles of the float32 that travelled.
   Tessellation surface;
+  // summary.repair() has the mapping too; see wire::MappingElements.
+  v1::Summary summary;
+};
+
+// Everything that an Evaluate call gave: one point, two derivatives and a normal per parameter, in
+// their order, as SurfaceSamples describes them.
+struct EvaluateResult {
+  std::vector<Vec3> points;
+  std::vector<Vec3> du;
+  std::vector<Vec3> dv;
+  std::vector<Vec3> normals;
   v1::Summary summary;
 };
 
@@ -79,11 +99,28 @@ class Client {
   [[nodiscard]] absl::StatusOr<JobResult> Run(v1::InterpolateHeader header, const PolygonMesh& mesh,
                                               const ProgressCallback& on_progress = {}) const;
 
+  // As Submit, for the samples of the job's surface at these parameters. The header asks for no
+  // output. Parameters that make no sense are the server's to refuse.
+  [[nodiscard]] absl::StatusOr<ClientEvaluation> SubmitEvaluation(
+      v1::InterpolateHeader header, const PolygonMesh& mesh,
+      std::vector<SurfaceParameter> parameters) const;
+
+  // Submits, collects, finishes.
+  [[nodiscard]] absl::StatusOr<EvaluateResult> Evaluate(
+      v1::InterpolateHeader header, const PolygonMesh& mesh,
+      std::vector<SurfaceParameter> parameters, const ProgressCallback& on_progress = {}) const;
+
   [[nodiscard]] absl::StatusOr<v1::GetServerInfoResponse> GetServerInfo() const;
 
  private:
   std::shared_ptr<grpc::Channel> channel_;
   ClientOptions options_;
 };
+
+// Takes all of a call's answer to so many parameters and finishes it. on_progress: as in
+// Client::Run. Errors: the
+// call's; INTERNAL when the answer makes no sense.
+[[nodiscard]] absl::StatusOr<EvaluateResult> CollectEvaluation(
+    ClientEvaluation* call, std::size_t parameters, const Client::ProgressCallback& on_progress);
 
 }  // namespace limn

@@ -16,8 +16,10 @@
 #include "engine/base/context.h"
 #include "engine/base/vec3.h"
 #include "engine/constraints/constraints.h"
+#include "engine/constraints/fair.h"
 #include "engine/limit/tessellation.h"
 #include "engine/mesh/polygon_mesh.h"
+#include "engine/refine/doo_sabin_rule.h"
 #include "engine/refine/doo_sabin_surface.h"
 #include "engine/solve/solve.h"
 
@@ -25,14 +27,6 @@ namespace limn {
 
 // Subdivision scheme. Built: kDooSabin. The others answer UNIMPLEMENTED.
 enum class Scheme { kDooSabin, kCatmullClark, kLoop };
-
-// Rule of the first refinement, M^0 -> M^1, which the interpolation equations are set up with.
-enum class FirstRule {
-  // (V + centroid) / 2 [ZC Eq. 4].
-  kModified,
-  // The scheme's own, Nasri's method for Doo-Sabin [ZC Eq. 1].
-  kStandard,
-};
 
 struct InterpolateOptions {
   Scheme scheme = Scheme::kDooSabin;
@@ -45,7 +39,7 @@ struct InterpolateOptions {
   // Refinements of the input's connectivity in the tessellation, 0 to Limits::max_level.
   std::uint32_t level = 2;
   // Instead of a level: the smallest one whose guaranteed deviation from the limit surface is at
-  // most this, in model units; greater than 0. See engine/limit/chord_bound.h.
+  // most this, in model units; greater than 0. Not built yet: UNIMPLEMENTED.
   std::optional<double> chord_tolerance;
   // Whether to tessellate; without, only the control mesh is found.
   bool surface = true;
@@ -68,27 +62,45 @@ struct InterpolateResult {
   // The limit surface; its first vertices are the limit points of the input's vertices, in order.
   // Empty without `surface`.
   Tessellation surface;
+  // With `fair`, where a surface or its patches were asked for.
+  std::optional<FairnessReport> fairness;
   // With `keep_patches`.
   std::optional<DooSabinSurface> patches;
   // In the order in which they ran: "build", "solve", and with a surface "first_refinement",
-  // "perturb", "refine", "limit".
+  // "perturb", "fair" if asked for, "refine", "limit".
   std::vector<StageTime> stages;
 };
 
 // Bytes of the arrays that Interpolate holds at its peak for such a mesh and options, the input
-// not counted. 64-bit arithmetic; saturates. Cost: constant.
+// not counted. Without boundary_edges: of a closed mesh. 64-bit arithmetic; saturates. Cost:
+// constant.
 [[nodiscard]] std::uint64_t EstimateBytes(std::uint64_t vertices, std::uint64_t faces,
-                                          std::uint64_t corners, const InterpolateOptions& options);
+                                          std::uint64_t corners, const InterpolateOptions& options,
+                                          std::uint64_t boundary_edges = 0);
 
-// Interpolates all vertices of a closed, oriented, 2-manifold mesh of any arities and number of
-// components.
+// Bytes of the tessellation that Interpolate returns for such a mesh and options; 0 without
+// `surface`. Otherwise as above.
+[[nodiscard]] std::uint64_t EstimateSurfaceBytes(std::uint64_t vertices, std::uint64_t faces,
+                                                 std::uint64_t corners,
+                                                 const InterpolateOptions& options,
+                                                 std::uint64_t boundary_edges = 0);
+
+// Interpolates vertices of an oriented 2-manifold mesh, open or closed, of any arities and number
+// of components.
 //
-// Guarantees: the first vertex_count() points of the surface are within 1e-12 of the bounding
-// box's diagonal of the input's points, whatever the solve's tolerance; the result has the same
-// bits for any number of threads.
+// Guarantees:
+// - The surface's points at interpolated vertices are within 1e-12 of the bounding box's diagonal
+//   of the input's points, whatever the solve's tolerance, and its normals there within 1e-10 rad
+//   of those prescribed, wherever the images around the vertex span a plane.
+// - The boundary of the surface is a quadratic B-spline for each boundary loop, which depends on
+//   the loop's vertices only, and through corners (vertices of one face) on those of the piece
+//   between two corners only: two meshes that share the points along a piece, in either direction,
+//   and its vertices' constraints, share the points of the curve to the last bit. Fairing leaves
+//   them alone. Corners are met and sharp.
+// - The result has the same bits for any number of threads.
 //
-// Errors: as HalfEdgeMesh::Build; OPEN_MESH; INVALID_OPTION for an option out of range;
-// LIMIT_EXCEEDED when sizes are above the context's limits (before anything is allocated);
+// Errors: as HalfEdgeMesh::Build and ValidateConstraints; INVALID_OPTION for an option out of
+// range; LIMIT_EXCEEDED when sizes are above the context's limits (before anything is allocated);
 // OUT_OF_MEMORY; CANCELLED and DEADLINE_EXCEEDED within one chunk of work; UNIMPLEMENTED for a
 // scheme that is not built.
 //

@@ -7,6 +7,7 @@
 
 #include "engine/base/buffer.h"
 #include "engine/base/vec3.h"
+#include "engine/constraints/vertex_plan.h"
 #include "engine/interpolate.h"
 #include "engine/mesh/polygon_mesh.h"
 
@@ -21,15 +22,33 @@ double Bytes(double count, double size) { return BufferBytes(count * size); }
 double Points(double count) { return Bytes(count, sizeof(Vec3)); }
 double Indices(double count) { return Bytes(count, sizeof(Index)); }
 
-// Vertices, edges, faces and half-edges of T^k of a closed mesh.
+// Vertices, edges, faces, half-edges and boundary edges of T^k.
 struct Counts {
   double vertices;
   double edges;
   double faces;
   double half_edges;
+  double boundary;
 
-  Counts Split() const { return {vertices + edges + faces, 4 * edges, half_edges, 4 * half_edges}; }
+  Counts Split() const {
+    return {vertices + edges + faces, 2 * edges + half_edges, half_edges, 4 * half_edges,
+            2 * boundary};
+  }
 };
+
+Counts MakeCounts(std::uint64_t vertices, std::uint64_t faces, std::uint64_t corners,
+                  std::uint64_t boundary_edges) {
+  return {.vertices = static_cast<double>(vertices),
+          .edges = (static_cast<double>(corners) + static_cast<double>(boundary_edges)) / 2,
+          .faces = static_cast<double>(faces),
+          .half_edges = static_cast<double>(corners),
+          .boundary = static_cast<double>(boundary_edges)};
+}
+
+std::uint64_t Saturated(double bytes) {
+  return bytes >= kMost ? std::numeric_limits<std::uint64_t>::max()
+                        : static_cast<std::uint64_t>(bytes);
+}
 
 // A mesh from HalfEdgeMesh::Build: vertex, face, twin, edge, fan and room for as many edges; first
 // half-edges and fans of vertices; first corners of faces.
@@ -49,59 +68,102 @@ double BuildPeak(const Counts& n) {
                                     2 * Indices(n.vertices + 1));
 }
 
-// The operator's order of vertices and faces, and the arrays of the iteration; see Solve.
-double SolvePeak(const Counts& n, SolveMethod method) {
+// A BoundaryCurve.
+double Curve(const Counts& n) { return 3 * Indices(n.boundary) + 3 * Points(n.boundary); }
+
+// The operator's order of vertices and faces, and the arrays of the iteration; see Solve and
+// SolveControlMesh.
+double SolvePeak(const Counts& n, const InterpolateOptions& options) {
+  const bool images = options.rule == FirstRule::kStandard;
+  const double values = images ? n.half_edges : n.faces;
   const double limit = 2 * (Indices(n.half_edges) + Indices(n.vertices) + Indices(n.faces));
-  double sweeps = 3 * Points(n.vertices) + Points(n.faces);
-  if (method == SolveMethod::kJacobi) {
-    sweeps += Bytes(n.vertices, sizeof(double)) + Bytes(n.faces, sizeof(double));
-  } else if (method == SolveMethod::kGaussSeidel) {
+  double sweeps = 3 * Points(n.vertices) + Points(values);
+  if (options.solve.method == SolveMethod::kJacobi) {
+    sweeps += Bytes(n.vertices, sizeof(double)) + Bytes(values, sizeof(double));
+  } else if (options.solve.method == SolveMethod::kGaussSeidel) {
     sweeps += Points(n.faces);
   }
-  return BuiltMesh(n) + limit + sweeps;
+  if (images) sweeps = std::max(sweeps, Indices(n.half_edges));
+  double known = 0;
+  if (n.boundary > 0 || options.constraints.interpolate.has_value()) {
+    known = 2 * Bytes(n.vertices, 1) + Bytes(n.vertices, sizeof(std::uint16_t));
+  }
+  if (n.boundary > 0) known += Points(n.vertices) + Points(n.boundary) + 2 * Bytes(n.boundary, 1);
+  return BuiltMesh(n) + limit + sweeps + known;
+}
+
+// Constraints by vertex.
+double Plan(const Counts& n, const Constraints& constraints) {
+  const auto specials =
+      static_cast<double>(constraints.normals.size() + constraints.shape_handles.size());
+  if (specials == 0 && !constraints.interpolate.has_value()) return 0;
+  // A growing list holds its old half too.
+  return Bytes(n.vertices, 1) + 3 * Bytes(specials, sizeof(SpecialVertex));
+}
+
+// The tessellation with T^(level - 1), or with the input at level 0.
+double TessellationBytes(const Counts& n, const InterpolateOptions& options) {
+  const Counts surface = options.level == 0 ? n : n.Split();
+  return Points(surface.vertices) * (options.normals ? 2 : 1) +
+         (options.level == 0 ? Indices(n.faces + 1) + Indices(n.half_edges)
+                             : Indices(4 * n.half_edges));
+}
+
+// What Fair holds beside the patches: some 300 bytes a corner, and T^1 with the points of M^2.
+double FairBytes(const Counts& n) {
+  const Counts split = n.Split();
+  return Bytes(n.half_edges, 300) + SplitMesh(split) + Points(split.half_edges) + Curve(split) +
+         Indices(2 * n.half_edges) + 2 * Indices(n.vertices + n.faces + 1);
 }
 
 // The most of the surface's stages. `n`: of the input.
 double SurfacePeak(Counts n, const InterpolateOptions& options) {
   double mesh = BuiltMesh(n);
-  double peak = mesh + Points(n.half_edges);
-  double fans = 0;
+  const double patches = mesh + Points(n.half_edges) + Curve(n);
+  double peak = patches;
+  if (options.fair) peak += FairBytes(n);
+  if (!options.surface) return peak;
+  double fans = options.keep_patches ? patches : 0;
   if (options.level >= 2) {
     // At most every vertex and face is extraordinary.
-    fans = Indices(2 * n.half_edges) + 2 * Indices(n.vertices + n.faces + 1);
+    fans += Indices(2 * n.half_edges) + 2 * Indices(n.vertices + n.faces + 1);
   }
   for (std::uint32_t k = 1; k < options.level && peak < kMost; ++k) {
     const Counts split = n.Split();
     const double coarse = mesh;
     mesh = SplitMesh(split);
     // The points of both levels, and then those of the finer one and both connectivities.
-    peak = std::max(
-        peak, fans + coarse + Points(split.half_edges) + std::max(Points(n.half_edges), mesh));
+    peak = std::max(peak, fans + coarse + Curve(n) + Curve(split) + Points(split.half_edges) +
+                              std::max(Points(n.half_edges), mesh));
     n = split;
   }
-  const Counts surface = options.level == 0 ? n : n.Split();
-  const double tessellation = Points(surface.vertices) * (options.normals ? 2 : 1) +
-                              (options.level == 0 ? Indices(n.faces + 1) + Indices(n.half_edges)
-                                                  : Indices(4 * n.half_edges));
-  return std::max(peak, fans + mesh + Points(n.half_edges) + tessellation);
+  return std::max(peak,
+                  fans + mesh + Curve(n) + Points(n.half_edges) + TessellationBytes(n, options));
 }
 
 }  // namespace
 
+std::uint64_t EstimateSurfaceBytes(std::uint64_t vertices, std::uint64_t faces,
+                                   std::uint64_t corners, const InterpolateOptions& options,
+                                   std::uint64_t boundary_edges) {
+  if (!options.surface) return 0;
+  Counts n = MakeCounts(vertices, faces, corners, boundary_edges);
+  for (std::uint32_t k = 1; k < options.level && n.vertices < kMost; ++k) n = n.Split();
+  return Saturated(TessellationBytes(n, options));
+}
+
 std::uint64_t EstimateBytes(std::uint64_t vertices, std::uint64_t faces, std::uint64_t corners,
-                            const InterpolateOptions& options) {
-  const Counts n = {.vertices = static_cast<double>(vertices),
-                    .edges = static_cast<double>(corners) / 2,
-                    .faces = static_cast<double>(faces),
-                    .half_edges = static_cast<double>(corners)};
+                            const InterpolateOptions& options, std::uint64_t boundary_edges) {
+  const Counts n = MakeCounts(vertices, faces, corners, boundary_edges);
   // The control points, and the input's where they are moved to the origin.
-  const double control = 2 * Points(n.vertices);
-  double peak = control + std::max(BuildPeak(n), SolvePeak(n, options.solve.method));
-  if (options.surface) peak = std::max(peak, control + SurfacePeak(n, options));
+  const double control = 2 * Points(n.vertices) + Plan(n, options.constraints) + Curve(n) +
+                         Points(n.boundary) + Indices(n.boundary);
+  double peak = control + std::max(BuildPeak(n), SolvePeak(n, options));
+  if (options.surface || options.keep_patches)
+    peak = std::max(peak, control + SurfacePeak(n, options));
   // Lists of blocks and of runs.
   peak += peak / 64 + 4096;
-  return peak >= kMost ? std::numeric_limits<std::uint64_t>::max()
-                       : static_cast<std::uint64_t>(peak);
+  return Saturated(peak);
 }
 
 }  // namespace limn

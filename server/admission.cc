@@ -1,47 +1,34 @@
 // SPDX-License-Identifier: MIT
 #include "server/admission.h"
 
-#include <limits>
+#include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 #include "engine/base/error.h"
-#include "proto/wire/status.h"
 
 namespace limn {
 namespace {
-
-// Two encoded tiles wait, one is written, one is made; a chunk arrives.
-constexpr std::uint64_t kMessagesInFlight = 5;
-
-std::uint64_t SaturatingAdd(std::uint64_t a, std::uint64_t b) {
-  const std::uint64_t sum = a + b;
-  return sum < a ? std::numeric_limits<std::uint64_t>::max() : sum;
-}
 
 absl::Status TooLarge(absl::string_view field, absl::string_view message, absl::string_view limit,
                       absl::string_view remedy) {
   return MakeError(absl::StrCat(field, ": ", message, " (limit ", limit, ")"),
                    {.reason = Reason::kLimitExceeded,
-                    .field = std::string(limit),
-                    .remedy = std::string(remedy)});
+                    .field = std::string(field),
+                    .remedy = std::string(remedy),
+                    .limit = std::string(limit)});
+}
+
+absl::Status Busy(absl::string_view message, absl::string_view limit) {
+  return MakeError(absl::StrCat("the server is busy: ", message, " (limit ", limit, ")"),
+                   {.reason = Reason::kLimitExceeded,
+                    .remedy = "Try again a little later",
+                    .limit = std::string(limit),
+                    .retryable = true});
 }
 
 }  // namespace
-
-std::uint64_t EstimateJobBytes(const JobSpec& spec) {
-  // The claims are held against limits below 2^33 before this is called, so products fit.
-  const std::uint64_t vertices = spec.mesh.vertex_count();
-  const std::uint64_t faces = spec.mesh.face_count();
-  const std::uint64_t corners = spec.mesh.corner_count();
-  const std::uint64_t decoded = vertices * sizeof(Vec3) + (faces + 1 + corners) * sizeof(Index);
-  std::uint64_t bytes = SaturatingAdd(spec.mesh.byte_count(), decoded);
-  bytes = SaturatingAdd(bytes, EstimateBytes(vertices, faces, corners, spec.engine));
-  if (spec.send_control_mesh) bytes = SaturatingAdd(bytes, decoded);
-  bytes = SaturatingAdd(bytes, vertices * sizeof(double));
-  return SaturatingAdd(bytes, kMessagesInFlight * spec.tiles.tile_bytes);
-}
 
 Admission::Reservation::Reservation(Reservation&& other) noexcept
     : admission_(std::exchange(other.admission_, nullptr)),
@@ -59,11 +46,12 @@ void Admission::Reservation::Release() {
   Admission* admission = std::exchange(admission_, nullptr);
   if (admission == nullptr) return;
   const std::lock_guard lock(admission->mutex_);
-  admission->reserved_ -= bytes_;
+  admission->reserved_ -= std::exchange(bytes_, 0);
 }
 
 absl::StatusOr<Admission::Ticket> Admission::Admit(const JobSpec& spec) {
-  LIMN_RETURN_IF_ERROR(wire::CheckHeader(EngineLimits(limits_), spec.mesh));
+  LIMN_RETURN_IF_ERROR(
+      wire::CheckHeader(EngineLimits(limits_), spec.mesh, {.any_arity = spec.repair}));
   if (spec.mesh.byte_count() > limits_.max_mesh_bytes) {
     return TooLarge(
         "mesh.byte_count",
@@ -75,31 +63,60 @@ absl::StatusOr<Admission::Ticket> Admission::Admit(const JobSpec& spec) {
                     absl::StrCat(spec.engine.level, " is above ", limits_.max_level), "max-level",
                     "Ask for a lower level");
   }
-  const std::uint64_t bytes = EstimateJobBytes(spec);
-  if (bytes > limits_.max_job_bytes) {
-    return TooLarge("surface.level",
-                    absl::StrCat("the job may need ", bytes, " bytes of memory, more than ",
-                                 limits_.max_job_bytes),
-                    "max-job-bytes", "Ask for a lower level or use a smaller mesh");
-  }
   Ticket ticket;
-  LIMN_ASSIGN_OR_RETURN(ticket.place, lane_.Reserve());
-  LIMN_ASSIGN_OR_RETURN(ticket.memory, Reserve(bytes));
+  ticket.estimate = EstimateJobBytes(spec);
+  LIMN_RETURN_IF_ERROR(CheckJobBytes(ticket.estimate));
+  LIMN_ASSIGN_OR_RETURN(ticket.position, lane_.NextPosition());
+  std::optional<Slots::Slot> upload = uploads_.Take();
+  if (!upload.has_value()) {
+    return Busy(absl::StrCat(limits_.max_uploads, " meshes are arriving"), "max-uploads");
+  }
+  ticket.upload = *std::move(upload);
+  {
+    const std::lock_guard lock(mutex_);
+    LIMN_RETURN_IF_ERROR(CheckTotal(ticket.estimate));
+  }
+  LIMN_RETURN_IF_ERROR(Grow(EstimateUploadBytes(spec), &ticket.memory));
   return ticket;
 }
 
-absl::StatusOr<Admission::Reservation> Admission::Reserve(std::uint64_t bytes) {
+absl::Status Admission::Enqueue(Ticket* ticket) {
+  LIMN_RETURN_IF_ERROR(Grow(ticket->estimate, &ticket->memory));
+  LIMN_ASSIGN_OR_RETURN(ticket->place, lane_.Reserve());
+  ticket->upload.Release();
+  return absl::OkStatus();
+}
+
+absl::Status Admission::Grow(std::uint64_t bytes, Reservation* reservation) {
+  if (bytes <= reservation->bytes_) return absl::OkStatus();
+  LIMN_RETURN_IF_ERROR(CheckJobBytes(bytes));
+  const std::uint64_t more = bytes - reservation->bytes_;
   const std::lock_guard lock(mutex_);
-  if (bytes > limits_.max_total_bytes || reserved_ > limits_.max_total_bytes - bytes) {
-    return MakeError(absl::StrCat("the server is busy: its jobs need ", reserved_,
-                                  " bytes of memory, this one ", bytes, ", together more than ",
-                                  limits_.max_total_bytes, " (limit max-total-bytes)"),
-                     {.reason = Reason::kLimitExceeded,
-                      .field = std::string(wire::kQueueField),
-                      .remedy = "Try again a little later"});
+  LIMN_RETURN_IF_ERROR(CheckTotal(more));
+  reserved_ += more;
+  reservation->admission_ = this;
+  reservation->bytes_ = bytes;
+  return absl::OkStatus();
+}
+
+absl::Status Admission::CheckJobBytes(std::uint64_t bytes) const {
+  // Of the total no other job has to give anything back for this: trying again would not help.
+  const bool job = limits_.max_job_bytes <= limits_.max_total_bytes;
+  const std::uint64_t limit = job ? limits_.max_job_bytes : limits_.max_total_bytes;
+  if (bytes <= limit) return absl::OkStatus();
+  return TooLarge("surface.level",
+                  absl::StrCat("the job may need ", bytes, " bytes of memory, more than ", limit),
+                  job ? "max-job-bytes" : "max-total-bytes",
+                  "Ask for a lower level or use a smaller mesh");
+}
+
+absl::Status Admission::CheckTotal(std::uint64_t more) const {
+  if (reserved_ <= limits_.max_total_bytes && more <= limits_.max_total_bytes - reserved_) {
+    return absl::OkStatus();
   }
-  reserved_ += bytes;
-  return Reservation(this, bytes);
+  return Busy(absl::StrCat("its jobs need ", reserved_, " bytes of memory, this one ", more,
+                           " more, together more than ", limits_.max_total_bytes),
+              "max-total-bytes");
 }
 
 std::uint64_t Admission::reserved_bytes() const {

@@ -1,21 +1,19 @@
 // SPDX-License-Identifier: MIT
-// Decides, before anything is allocated for it, whether a job is taken: its size, its memory and
-// its place in a lane.
+// Decides, before anything is allocated for it, whether a job is taken: its size, its memory, its
+// turn to upload and its place in a lane.
 #pragma once
 
 #include <cstdint>
 #include <mutex>
 
 #include "absl/status/statusor.h"
+#include "server/job_memory.h"
 #include "server/lane.h"
 #include "server/limits.h"
 #include "server/options_from_proto.h"
+#include "server/slots.h"
 
 namespace limn {
-
-// Bytes that a job needs at its peak: the encoded and the decoded mesh, the engine's arrays, the
-// encoded control mesh, the certificate and the messages that wait. Saturates.
-[[nodiscard]] std::uint64_t EstimateJobBytes(const JobSpec& spec);
 
 // Thread-safe. Must outlive its tickets.
 class Admission {
@@ -32,33 +30,58 @@ class Admission {
 
    private:
     friend class Admission;
-    Reservation(Admission* admission, std::uint64_t bytes) : admission_(admission), bytes_(bytes) {}
     Admission* admission_ = nullptr;
     std::uint64_t bytes_ = 0;
   };
 
-  // What an admitted job holds: its place until it has been computed, its memory until its answer
-  // has been taken.
+  // What an admitted job holds: first its turn to upload, then its place until it has been
+  // computed; its memory until its answer has been taken.
   struct Ticket {
+    Slots::Slot upload;
     Lane::Place place;
     Reservation memory;
+    // What EstimateJobBytes says.
+    std::uint64_t estimate = 0;
+    // Position that its place would have if its upload were complete.
+    std::uint64_t position = 0;
   };
 
   // limits and lane must outlive it.
-  Admission(const ServerLimits& limits, Lane& lane) : limits_(limits), lane_(lane) {}
+  Admission(const ServerLimits& limits, Lane& lane)
+      : limits_(limits), lane_(lane), uploads_(limits.max_uploads) {}
 
+  // For a job whose upload begins. Only what the upload takes is set aside: who uploads slowly must
+  // not hold a place and memory that another job could use. But a job for which there is no place
+  // or no memory now is refused, which saves its upload.
+  //
   // Errors: those of wire::CheckHeader; LIMIT_EXCEEDED naming the limit. Nothing is held after an
   // error.
   [[nodiscard]] absl::StatusOr<Ticket> Admit(const JobSpec& spec);
 
+  // For a job whose upload is complete: sets its memory aside, and trades its turn to upload for a
+  // place in the lane. Errors: LIMIT_EXCEEDED with limit max-total-bytes or queue-length; the job
+  // cannot go on then.
+  [[nodiscard]] absl::Status Enqueue(Ticket* ticket);
+
+  // Has the reservation hold at least this many bytes, now that more is known than the header
+  // claimed. Errors: LIMIT_EXCEEDED with limit max-job-bytes or max-total-bytes; the reservation is
+  // as before then. Not thread-safe as to the reservation.
+  [[nodiscard]] absl::Status Grow(std::uint64_t bytes, Reservation* reservation);
+
   // Bytes set aside now.
   std::uint64_t reserved_bytes() const;
 
+  // Uploads under way.
+  std::uint64_t uploads() const { return uploads_.taken(); }
+
  private:
-  [[nodiscard]] absl::StatusOr<Reservation> Reserve(std::uint64_t bytes);
+  [[nodiscard]] absl::Status CheckJobBytes(std::uint64_t bytes) const;
+  // With the mutex held.
+  [[nodiscard]] absl::Status CheckTotal(std::uint64_t more) const;
 
   const ServerLimits& limits_;
   Lane& lane_;
+  Slots uploads_;
   mutable std::mutex mutex_;
   std::uint64_t reserved_ = 0;
 };

@@ -5,8 +5,11 @@
 #include <chrono>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
 #include "absl/types/span.h"
 #include "engine/base/error.h"
+#include "engine/constraints/renumber.h"
 
 namespace limn {
 namespace {
@@ -17,8 +20,9 @@ double MillisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-// Whether one of the faces of the range has one of the first `vertices` vertices.
-bool Touches(const Tessellation& surface, const wire::TileRange& range, std::uint64_t vertices) {
+// Whether one of the faces of the range has a vertex that the certificate counts.
+bool Touches(const Tessellation& surface, const wire::TileRange& range,
+             const CertificateBuilder& certificate) {
   const auto corner = [&](std::uint64_t face) -> std::uint64_t {
     return surface.arity != 0 ? face * surface.arity : surface.face_begin[face];
   };
@@ -26,7 +30,42 @@ bool Touches(const Tessellation& surface, const wire::TileRange& range, std::uin
   const std::uint64_t end = corner(range.first_face + range.face_count);
   const auto corners = absl::MakeConstSpan(surface.face_vertices).subspan(begin, end - begin);
   return std::any_of(corners.begin(), corners.end(),
-                     [&](Index vertex) { return vertex < vertices; });
+                     [&](Index vertex) { return certificate.counts(vertex); });
+}
+
+v1::Certificate CertificateToProto(const Certificate& found) {
+  v1::Certificate certificate;
+  certificate.set_points_checked(found.points_checked);
+  certificate.set_max_error(found.max_error);
+  certificate.set_mean_error(found.mean_error);
+  certificate.set_bounding_box_diagonal(found.bounding_box_diagonal);
+  certificate.set_max_error_vertex(found.max_error_vertex);
+  certificate.set_normals_checked(found.normals_checked);
+  certificate.set_max_normal_deviation(found.max_normal_deviation);
+  certificate.set_max_normal_deviation_vertex(found.max_normal_deviation_vertex);
+  return certificate;
+}
+
+// Tells the certificate what a decoded tile says.
+void CertifyTile(const wire::DecodedTile& tile, CertificateBuilder* certificate) {
+  if (tile.vertex_ids.empty()) {
+    certificate->AddRun(tile.first_vertex, tile.positions);
+    certificate->AddNormalRun(tile.first_vertex, tile.normals);
+    return;
+  }
+  for (std::size_t i = 0; i < tile.vertex_ids.size(); ++i) {
+    certificate->Add(tile.vertex_ids[i], tile.positions[i]);
+    if (!tile.normals.empty()) certificate->AddNormal(tile.vertex_ids[i], tile.normals[i]);
+  }
+}
+
+// An error about a mesh that is not the one that was sent.
+absl::Status AfterRepair(const absl::Status& status) {
+  const std::optional<ErrorDetail> detail = GetErrorDetail(status);
+  if (status.code() != absl::StatusCode::kInvalidArgument || !detail.has_value()) return status;
+  absl::string_view message = status.message();
+  if (!detail->remedy.empty()) message.remove_suffix(detail->remedy.size() + 2);
+  return MakeError(absl::StrCat("after repair: ", message), *detail);
 }
 
 }  // namespace
@@ -40,31 +79,63 @@ void Job::AddStage(std::string_view stage, double milliseconds) {
   stages_.push_back({stage, milliseconds});
 }
 
-absl::Status Job::Run(std::string encoded_mesh) {
+absl::Status Job::Decode(std::string encoded_mesh) {
   const Clock::time_point start = Clock::now();
   bytes_received_ = encoded_mesh.size();
   context_.Report({.stage = "decode"});
-  LIMN_ASSIGN_OR_RETURN(mesh_, wire::DecodeMesh(context_, spec_.mesh, encoded_mesh));
-  std::string().swap(encoded_mesh);
+  LIMN_ASSIGN_OR_RETURN(
+      mesh_, wire::DecodeMesh(context_, spec_.mesh, encoded_mesh, {.any_arity = spec_.repair}));
+  spec_.mesh.set_vertex_count(mesh_.vertex_count());
+  spec_.mesh.set_face_count(mesh_.face_count());
+  spec_.mesh.set_corner_count(mesh_.corner_count());
   AddStage("decode", MillisecondsSince(start));
+  return absl::OkStatus();
+}
 
-  LIMN_ASSIGN_OR_RETURN(InterpolateResult result, Interpolate(context_, mesh_, spec_.engine));
+absl::Status Job::Run() {
+  if (spec_.repair) LIMN_RETURN_IF_ERROR(RepairMesh());
+  if (spec_.send_surface && spec_.engine.level == 0) {
+    LIMN_RETURN_IF_ERROR(wire::FitLargestFace(mesh_, spec_.engine.normals, &tile_options_));
+  }
+
+  absl::StatusOr<InterpolateResult> interpolated = Interpolate(context_, mesh_, spec_.engine);
+  if (!interpolated.ok() && mapping_.has_value()) return AfterRepair(interpolated.status());
+  LIMN_ASSIGN_OR_RETURN(InterpolateResult result, std::move(interpolated));
   stages_.insert(stages_.end(), result.stages.begin(), result.stages.end());
   solve_ = result.solve;
+  fairness_ = result.fairness;
   surface_ = std::move(result.surface);
-  certificate_.emplace(std::exchange(mesh_.positions, std::move(result.control_positions)));
+  patches_ = std::move(result.patches);
+  certificate_.emplace(std::exchange(mesh_.positions, std::move(result.control_positions)),
+                       spec_.engine.constraints);
+  if (!spec_.send_normals) {
+    certificate_->AddNormalRun(0, surface_.normals);
+    Buffer<Vec3>().swap(surface_.normals);
+  }
   if (spec_.send_surface) {
     LIMN_RETURN_IF_ERROR(PlanTiles());
   } else {
     certificate_->AddRun(0, surface_.positions);
     surface_ = Tessellation{};
   }
-  if (spec_.send_control_mesh) {
-    part_ = Part::kControlHeader;
-  } else {
-    mesh_ = PolygonMesh{};
-    part_ = tiles_.empty() ? Part::kSummary : Part::kTiles;
+  if (spec_.send_control_mesh) LIMN_RETURN_IF_ERROR(EncodeControlMesh());
+  mesh_ = PolygonMesh{};
+  part_ = mapping_.has_value() ? Part::kRepair : PartAfterRepair();
+  return absl::OkStatus();
+}
+
+// Constraints name vertices of the mesh that was sent.
+absl::Status Job::RepairMesh() {
+  const Clock::time_point start = Clock::now();
+  Constraints& constraints = spec_.engine.constraints;
+  LIMN_RETURN_IF_ERROR(ValidateConstraints(context_, constraints, mesh_.vertex_count()));
+  LIMN_ASSIGN_OR_RETURN(repaired_, Repair(context_, mesh_));
+  mesh_ = std::exchange(repaired_.mesh, PolygonMesh{});
+  if (repaired_.report != RepairReport()) {
+    mapping_.emplace(repaired_.original_vertex, repaired_.original_face, tile_options_.tile_bytes);
+    LIMN_ASSIGN_OR_RETURN(constraints, RenumberConstraints(constraints, repaired_.original_vertex));
   }
+  AddStage("repair", MillisecondsSince(start));
   return absl::OkStatus();
 }
 
@@ -81,8 +152,13 @@ absl::StatusOr<bool> Job::NextMessage(v1::InterpolateResponse* message) {
 
 absl::Status Job::Fill(v1::InterpolateResponse* message) {
   switch (part_) {
+    case Part::kRepair:
+      NextMappingPiece(message->mutable_repair());
+      return absl::OkStatus();
     case Part::kControlHeader:
-      return StartControlMesh(message->mutable_control_mesh());
+      *message->mutable_control_mesh()->mutable_header() = std::move(control_header_);
+      part_ = Part::kControlChunks;
+      return absl::OkStatus();
     case Part::kControlChunks:
       NextControlChunk(message->mutable_control_mesh());
       return absl::OkStatus();
@@ -98,14 +174,29 @@ absl::Status Job::Fill(v1::InterpolateResponse* message) {
   return absl::OkStatus();
 }
 
-absl::Status Job::StartControlMesh(v1::ControlMeshPart* part) {
+Job::Part Job::PartAfterRepair() const {
+  if (spec_.send_control_mesh) return Part::kControlHeader;
+  return tiles_.empty() ? Part::kSummary : Part::kTiles;
+}
+
+void Job::NextMappingPiece(v1::RepairReport* piece) {
+  mapping_->Next(piece);
+  bytes_sent_ += piece->original_vertex().size() + piece->original_face().size();
+  if (mapping_->has_next()) return;
+  repaired_.original_vertex = {};
+  repaired_.original_face = {};
+  part_ = PartAfterRepair();
+}
+
+absl::Status Job::EncodeControlMesh() {
+  const Clock::time_point start = Clock::now();
+  context_.Report({.stage = "encode"});
   LIMN_ASSIGN_OR_RETURN(wire::EncodedMesh encoded,
                         wire::EncodeMesh(context_, mesh_, spec_.control_mesh));
-  mesh_ = PolygonMesh{};
-  *part->mutable_header() = std::move(encoded.header);
+  control_header_ = std::move(encoded.header);
   control_bytes_ = std::move(encoded.bytes);
   control_chunks_.emplace(control_bytes_, tile_options_.tile_bytes);
-  part_ = Part::kControlChunks;
+  encode_milliseconds_ += MillisecondsSince(start);
   return absl::OkStatus();
 }
 
@@ -140,23 +231,22 @@ absl::Status Job::NextTile(v1::SurfaceTile* tile) {
   return absl::OkStatus();
 }
 
-// What the client will have: a packed tile holds the very doubles, any other is decoded again.
+// What the client will have. The positions of a packed tile are the very doubles; its normals, and
+// all of any other tile, are decoded again.
 absl::Status Job::Certify(const wire::TileRange& range, const v1::SurfaceTile& tile) {
-  if (tile.encoding() == v1::MESH_ENCODING_PACKED) {
+  const bool packed = tile.encoding() == v1::MESH_ENCODING_PACKED;
+  const bool normals = spec_.send_normals && !spec_.engine.constraints.normals.empty();
+  if (packed && !normals) {
     certificate_->AddRun(
         range.first_vertex,
         absl::MakeConstSpan(surface_.positions).subspan(range.first_vertex, range.vertex_count));
     return absl::OkStatus();
   }
-  if (!Touches(surface_, range, certificate_->target_count())) return absl::OkStatus();
+  const bool touches = packed ? range.first_vertex < certificate_->target_count()
+                              : Touches(surface_, range, *certificate_);
+  if (!touches) return absl::OkStatus();
   LIMN_ASSIGN_OR_RETURN(const wire::DecodedTile decoded, wire::DecodeTile(tile));
-  if (decoded.vertex_ids.empty()) {
-    certificate_->AddRun(decoded.first_vertex, decoded.positions);
-    return absl::OkStatus();
-  }
-  for (std::size_t i = 0; i < decoded.vertex_ids.size(); ++i) {
-    certificate_->Add(decoded.vertex_ids[i], decoded.positions[i]);
-  }
+  CertifyTile(decoded, &*certificate_);
   return absl::OkStatus();
 }
 
@@ -167,27 +257,24 @@ void Job::FillSummary(v1::Summary* summary) {
   summary->set_scheme(v1::SCHEME_DOO_SABIN);
   summary->set_input_vertices(spec_.mesh.vertex_count());
   summary->set_input_faces(spec_.mesh.face_count());
-  summary->set_level(spec_.engine.level);
+  summary->set_level(spec_.send_surface ? surface_.level : spec_.engine.level);
   if (spec_.send_surface) {
     summary->set_surface_vertices(surface_.vertex_count());
     summary->set_surface_faces(surface_.face_count());
   }
   v1::SolveReport* solve = summary->mutable_solve();
   solve->set_method(MethodToProto(solve_.method));
-  solve->set_rule(v1::SolveOptions::RULE_MODIFIED);
+  solve->set_rule(RuleToProto(spec_.engine.rule));
   solve->set_sweeps(solve_.sweeps);
   solve->set_converged(solve_.converged);
   solve->set_last_update(solve_.last_update);
   solve->set_residual(solve_.residual);
 
-  const Certificate found = certificate_->Finish();
-  v1::Certificate* certificate = summary->mutable_certificate();
-  certificate->set_points_checked(found.points_checked);
-  certificate->set_max_error(found.max_error);
-  certificate->set_mean_error(found.mean_error);
-  certificate->set_bounding_box_diagonal(found.bounding_box_diagonal);
-  certificate->set_max_error_vertex(found.max_error_vertex);
-  certificate->set_after_encoding(spec_.send_surface);
+  *summary->mutable_certificate() = CertificateToProto(certificate_->Finish());
+  summary->mutable_certificate()->set_after_encoding(spec_.send_surface);
+
+  if (fairness_.has_value()) *summary->mutable_fairness() = FairnessToProto(*fairness_);
+  if (spec_.repair) *summary->mutable_repair() = RepairToProto(repaired_.report);
 
   for (const StageTime& stage : stages_) {
     v1::StageTime* entry = summary->add_stages();

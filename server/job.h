@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -14,15 +15,18 @@
 #include "engine/base/context.h"
 #include "engine/interpolate.h"
 #include "engine/limit/certificate.h"
+#include "engine/mesh/repair.h"
 #include "limn/v1/interpolate.pb.h"
 #include "proto/wire/chunks.h"
+#include "proto/wire/repair_mapping.h"
 #include "server/options_from_proto.h"
 
 namespace limn {
 
-// First Run, then NextMessage until it has no more: the answer is encoded piece by piece as it is
-// asked for, so that a slow reader costs no memory beside the result. Not thread-safe, but each
-// call may come from another thread.
+// First Decode, then Run, then NextMessage until it has no more: the answer is made piece by piece
+// as it is asked for, so that a slow reader costs no memory beside the result; only what has to be
+// encoded as a whole, the control mesh, is encoded by Run. Not thread-safe, but each call may come
+// from another thread.
 class Job {
  public:
   // context: carries cancel, deadline, progress and limits through every phase.
@@ -34,13 +38,23 @@ class Job {
   // A stage that went before Run, for the summary.
   void AddStage(std::string_view stage, double milliseconds);
 
-  // Decodes the mesh and computes. Runs in the caller's arena. Errors: those of wire::DecodeMesh
-  // and Interpolate.
-  [[nodiscard]] absl::Status Run(std::string encoded_mesh);
+  // Decodes the mesh; from then on spec() has its counts, claimed or not. Runs in the caller's
+  // arena. Errors: those of wire::DecodeMesh.
+  [[nodiscard]] absl::Status Decode(std::string encoded_mesh);
 
-  // Fills the next message of the answer: control mesh, tiles, summary. False: there is none left.
-  // Errors: those of wire::EncodeMesh and wire::EncodeTile.
+  // Repairs the mesh if that was asked for, computes, and encodes the control mesh: all that may
+  // take long. Runs in the caller's arena. Errors: those of Repair, Interpolate and
+  // wire::EncodeMesh.
+  [[nodiscard]] absl::Status Run();
+
+  const JobSpec& spec() const { return spec_; }
+
+  // Fills the next message of the answer: repair, control mesh, tiles, summary. False: there is
+  // none left. Cost: linear in a tile. Errors: those of wire::EncodeTile.
   [[nodiscard]] absl::StatusOr<bool> NextMessage(v1::InterpolateResponse* message);
+
+  // After Run, the surface itself, if the spec keeps patches. Once.
+  std::optional<DooSabinSurface> TakePatches() { return std::exchange(patches_, std::nullopt); }
 
   // The stages until now, in order.
   const std::vector<StageTime>& stages() const { return stages_; }
@@ -48,30 +62,39 @@ class Job {
   std::uint64_t bytes_sent() const { return bytes_sent_; }
 
  private:
-  enum class Part { kControlHeader, kControlChunks, kTiles, kSummary, kNone };
+  enum class Part { kRepair, kControlHeader, kControlChunks, kTiles, kSummary, kNone };
 
+  [[nodiscard]] absl::Status RepairMesh();
   [[nodiscard]] absl::Status Fill(v1::InterpolateResponse* message);
-  [[nodiscard]] absl::Status StartControlMesh(v1::ControlMeshPart* part);
+  [[nodiscard]] absl::Status EncodeControlMesh();
+  Part PartAfterRepair() const;
+  void NextMappingPiece(v1::RepairReport* piece);
   void NextControlChunk(v1::ControlMeshPart* part);
   [[nodiscard]] absl::Status PlanTiles();
   [[nodiscard]] absl::Status NextTile(v1::SurfaceTile* tile);
   [[nodiscard]] absl::Status Certify(const wire::TileRange& range, const v1::SurfaceTile& tile);
   void FillSummary(v1::Summary* summary);
 
-  const JobSpec spec_;
+  JobSpec spec_;
   const Context context_;
   std::vector<StageTime> stages_;
   double encode_milliseconds_ = 0;
   std::uint64_t bytes_received_ = 0;
   std::uint64_t bytes_sent_ = 0;
 
-  // The input; after Run with the control mesh's positions.
+  // The input, repaired if that was asked for; after Run with the control mesh's positions.
   PolygonMesh mesh_;
+  // What repair says beside the mesh, and the mapping that is still to be sent.
+  RepairedMesh repaired_;
+  std::optional<wire::MappingReader> mapping_;
   SolveReport solve_;
+  std::optional<FairnessReport> fairness_;
   Tessellation surface_;
+  std::optional<DooSabinSurface> patches_;
   std::optional<CertificateBuilder> certificate_;
 
   Part part_ = Part::kNone;
+  v1::MeshHeader control_header_;
   std::string control_bytes_;
   std::optional<wire::ChunkReader> control_chunks_;
   wire::TileOptions tile_options_;

@@ -5,20 +5,16 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
-#include "proto/wire/status.h"
 
 namespace limn {
 
 Lane::Place::Place(Place&& other) noexcept
-    : lane_(std::exchange(other.lane_, nullptr)),
-      position_(other.position_),
-      task_(std::exchange(other.task_, 0)) {}
+    : lane_(std::exchange(other.lane_, nullptr)), task_(std::exchange(other.task_, 0)) {}
 
 Lane::Place& Lane::Place::operator=(Place&& other) noexcept {
   if (this == &other) return *this;
   Release();
   lane_ = std::exchange(other.lane_, nullptr);
-  position_ = other.position_;
   task_ = std::exchange(other.task_, 0);
   return *this;
 }
@@ -39,16 +35,27 @@ Lane::Lane(const LaneOptions& options)
 
 absl::StatusOr<Lane::Place> Lane::Reserve() {
   const std::lock_guard lock(mutex_);
+  LIMN_RETURN_IF_ERROR(PositionOfNext().status());
+  ++taken_;
+  return Place(this);
+}
+
+absl::StatusOr<std::uint64_t> Lane::NextPosition() const {
+  const std::lock_guard lock(mutex_);
+  return PositionOfNext();
+}
+
+absl::StatusOr<std::uint64_t> Lane::PositionOfNext() const {
   if (taken_ >= options_.workers + options_.queue_length) {
     return MakeError(
         absl::StrCat("the server is busy: lane \"", options_.name, "\" has ", taken_,
                      " jobs, of which ", options_.queue_length, " wait (limit queue-length)"),
         {.reason = Reason::kLimitExceeded,
-         .field = std::string(wire::kQueueField),
-         .remedy = "Try again a little later"});
+         .remedy = "Try again a little later",
+         .limit = "queue-length",
+         .retryable = true});
   }
-  ++taken_;
-  return Place(this, taken_ > options_.workers ? taken_ - options_.workers : 0);
+  return taken_ < options_.workers ? 0 : taken_ + 1 - options_.workers;
 }
 
 std::uint64_t Lane::places_taken() const {

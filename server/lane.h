@@ -3,6 +3,7 @@
 // places for jobs. (A shared arena lets large jobs starve small ones, whatever their priorities.)
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -27,17 +28,14 @@ struct LaneOptions {
 // Thread-safe.
 class Lane {
  public:
-  // A job's place in the lane, from its acceptance until it has been computed. Not thread-safe
-  // itself. The lane must outlive it.
+  // A job's place in the lane, from the end of its upload until it has been computed. Not
+  // thread-safe itself. The lane must outlive it.
   class Place {
    public:
     Place() = default;
     Place(Place&& other) noexcept;
     Place& operator=(Place&& other) noexcept;
     ~Place() { Release(); }
-
-    // How many jobs had to end before this one could start, when it was reserved.
-    std::uint64_t position() const { return position_; }
 
     // Runs the job when its turn comes. Once per place.
     void Post(WorkerThreads::Task task);
@@ -47,25 +45,34 @@ class Lane {
 
    private:
     friend class Lane;
-    Place(Lane* lane, std::uint64_t position) : lane_(lane), position_(position) {}
+    explicit Place(Lane* lane) : lane_(lane) {}
 
     Lane* lane_ = nullptr;
-    std::uint64_t position_ = 0;
     WorkerThreads::TaskId task_ = 0;
   };
 
   explicit Lane(const LaneOptions& options);
 
-  // A place, or LIMIT_EXCEEDED naming "queue-length" when workers + queue_length are taken.
+  // A place, or LIMIT_EXCEEDED with limit "queue-length" when workers + queue_length are taken.
   [[nodiscard]] absl::StatusOr<Place> Reserve();
+
+  // How many jobs have to end before one that would be reserved now could start, or the error of
+  // Reserve. Nothing is taken.
+  [[nodiscard]] absl::StatusOr<std::uint64_t> NextPosition() const;
 
   // Places taken now.
   std::uint64_t places_taken() const;
 
-  // Runs what was posted, then ends the threads.
+  // As those of WorkerThreads.
+  [[nodiscard]] bool StopUntil(std::chrono::steady_clock::time_point until) {
+    return threads_.StopUntil(until);
+  }
   void Stop() { threads_.Stop(); }
 
  private:
+  // With the mutex held.
+  [[nodiscard]] absl::StatusOr<std::uint64_t> PositionOfNext() const;
+
   const LaneOptions options_;
   WorkerThreads threads_;
   mutable std::mutex mutex_;

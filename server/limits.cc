@@ -4,14 +4,16 @@
 #include <array>
 #include <limits>
 
+#include "proto/wire/chunks.h"
+
 namespace limn {
 namespace {
 
 // Indices are 32 bits wide, so no mesh can have more.
 constexpr std::uint64_t kMostElements = std::numeric_limits<std::uint32_t>::max() - 1;
 constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 50;
-// A chunk is up to 1 MiB; a smaller message size would refuse well-formed uploads.
-constexpr std::uint64_t kLeastMessageBytes = (std::uint64_t{1} << 20) + 4096;
+// A chunk and its offset; a smaller message size would refuse well-formed uploads.
+constexpr std::uint64_t kLeastMessageBytes = wire::kMaxChunkBytes + 4096;
 constexpr std::uint64_t kDay = 86'400;
 
 constexpr std::array kTable = {
@@ -20,7 +22,7 @@ constexpr std::array kTable = {
     LimitEntry{"max-corners", &ServerLimits::max_corners, "corners",
                "Corners of a job's mesh: the sum of the arities of its faces", 3, kMostElements},
     LimitEntry{"max-level", &ServerLimits::max_level, "refinements",
-               "Level of a job's tessellation", 0, 10},
+               "Level of a job's tessellation", 0, kMaxLevel},
     LimitEntry{"max-mesh-bytes", &ServerLimits::max_mesh_bytes, "bytes",
                "Bytes of a job's encoded mesh", 1, kMostBytes},
     LimitEntry{"max-job-bytes", &ServerLimits::max_job_bytes, "bytes",
@@ -32,6 +34,8 @@ constexpr std::array kTable = {
                1024},
     LimitEntry{"queue-length", &ServerLimits::queue_length, "jobs",
                "Jobs that wait beside those being computed; the next one is refused", 0, 1'000'000},
+    LimitEntry{"max-uploads", &ServerLimits::max_uploads, "jobs",
+               "Jobs whose meshes arrive at a time; the next one is refused", 1, 1'000'000},
     LimitEntry{"max-streams", &ServerLimits::max_streams, "streams",
                "Calls at a time on one connection", 1, 100'000},
     LimitEntry{"max-message-bytes", &ServerLimits::max_message_bytes, "bytes",
@@ -40,6 +44,10 @@ constexpr std::array kTable = {
                "Time without a message from a client that uploads or without one taken by a client "
                "that is answered, after which its call is ended",
                1, kDay},
+    LimitEntry{"min-bytes-per-second", &ServerLimits::min_bytes_per_second, "bytes/s",
+               "What a client that uploads has to send, and one that is answered to take, on "
+               "average over stall-seconds; 0 is no demand",
+               0, std::uint64_t{1} << 40},
     LimitEntry{"drain-seconds", &ServerLimits::drain_seconds, "seconds",
                "Time that jobs have to finish after SIGTERM or SIGINT", 0, kDay},
     LimitEntry{

@@ -20,9 +20,12 @@ struct ServerLimits {
   std::uint64_t max_total_bytes = std::uint64_t{16} << 30;
   std::uint64_t workers = 2;
   std::uint64_t queue_length = 64;
+  // Twice max_streams, so that one connection cannot take them all.
+  std::uint64_t max_uploads = 128;
   std::uint64_t max_streams = 64;
   std::uint64_t max_message_bytes = std::uint64_t{2} << 20;
   std::uint64_t stall_seconds = 60;
+  std::uint64_t min_bytes_per_second = std::uint64_t{32} << 10;
   std::uint64_t drain_seconds = 30;
   std::uint64_t max_connection_age = 0;
 };

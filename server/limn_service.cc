@@ -6,7 +6,8 @@
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
 #include "proto/wire/status.h"
-#include "server/interpolate_reactor.h"
+#include "server/job_reactor.h"
+#include "server/job_rpcs.h"
 #include "server/server_info.h"
 
 namespace limn {
@@ -31,7 +32,7 @@ absl::Status NotBuilt(const std::string& rpc) {
 
 grpc::ServerBidiReactor<v1::InterpolateRequest, v1::InterpolateResponse>* LimnService::Interpolate(
     grpc::CallbackServerContext* context) {
-  return InterpolateReactor::Create(core_, context);
+  return JobReactor<InterpolateRpc>::Create(core_, context);
 }
 
 grpc::ServerUnaryReactor* LimnService::GetServerInfo(grpc::CallbackServerContext* context,
@@ -49,8 +50,8 @@ grpc::ServerBidiReactor<v1::BatchRequest, v1::BatchResponse>* LimnService::Batch
 }
 
 grpc::ServerBidiReactor<v1::EvaluateRequest, v1::EvaluateResponse>* LimnService::Evaluate(
-    grpc::CallbackServerContext* /*context*/) {
-  return new RefusingReactor<v1::EvaluateRequest, v1::EvaluateResponse>(NotBuilt("Evaluate"));
+    grpc::CallbackServerContext* context) {
+  return JobReactor<EvaluateRpc>::Create(core_, context);
 }
 
 grpc::ServerBidiReactor<v1::FilterRequest, v1::FilterResponse>* LimnService::Filter(

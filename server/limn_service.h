@@ -14,14 +14,14 @@ class LimnService final : public v1::LimnService::CallbackService {
 
   grpc::ServerBidiReactor<v1::InterpolateRequest, v1::InterpolateResponse>* Interpolate(
       grpc::CallbackServerContext* context) override;
+  grpc::ServerBidiReactor<v1::EvaluateRequest, v1::EvaluateResponse>* Evaluate(
+      grpc::CallbackServerContext* context) override;
   grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context,
                                           const v1::GetServerInfoRequest* request,
                                           v1::GetServerInfoResponse* response) override;
 
   // Not built yet: UNIMPLEMENTED with their names.
   grpc::ServerBidiReactor<v1::BatchRequest, v1::BatchResponse>* Batch(
-      grpc::CallbackServerContext* context) override;
-  grpc::ServerBidiReactor<v1::EvaluateRequest, v1::EvaluateResponse>* Evaluate(
       grpc::CallbackServerContext* context) override;
   grpc::ServerBidiReactor<v1::FilterRequest, v1::FilterResponse>* Filter(
       grpc::CallbackServerContext* context) override;

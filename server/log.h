@@ -2,7 +2,9 @@
 // Structured logs: one line per event, key=value, to standard error.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -36,8 +38,12 @@ class Log {
  public:
   // level: "debug", "info", "warning", "error" or "off". Errors: INVALID_OPTION.
   static absl::StatusOr<std::shared_ptr<Log>> ToStderr(std::string_view level);
+  // Calls the function with the text of every event, from any thread, several at a time. It must
+  // not block.
+  static std::shared_ptr<Log> ToFunction(std::function<void(std::string_view)> function);
   // Drops everything, for embedded use.
   static std::shared_ptr<Log> Null();
+  // Writes what waits, for two seconds at the most.
   ~Log();
   Log(const Log&) = delete;
   Log& operator=(const Log&) = delete;
@@ -47,8 +53,12 @@ class Log {
   void Warning(const LogLine& line);
   void Error(const LogLine& line);
 
+  // Waits until what has been logged is written. False: it was not within the time.
+  bool Flush(std::chrono::milliseconds patience);
+
  private:
   struct Impl;
+  void Write(int level, const LogLine& line);
   explicit Log(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };

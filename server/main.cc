@@ -16,6 +16,7 @@
 #include <thread>
 
 #include "engine/base/error.h"
+#include "engine/base/heap.h"
 #include "server/limits.h"
 #include "server/log.h"
 #include "server/server.h"
@@ -27,6 +28,8 @@ constexpr int kExitUsage = 2;
 constexpr int kExitFailure = 3;
 // After drain-seconds, for a server that does not stop.
 constexpr std::chrono::seconds kLastPatience(10);
+// For the last lines of the log.
+constexpr std::chrono::seconds kLogPatience(2);
 
 struct Flags {
   ServerOptions server{.listen = "127.0.0.1:7410"};
@@ -80,7 +83,9 @@ void RaiseDescriptorLimit() {
   (void)setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-// Signals that end the server, blocked in every thread so that sigwait gets them.
+// Signals that end the server, blocked so that sigwait gets them. Threads take over what is blocked
+// where they start, so this comes before the first of them: a thread that lets a signal through
+// would have it end the process wherever the signal finds nobody waiting for it.
 sigset_t BlockEndingSignals() {
   sigset_t signals;
   sigemptyset(&signals);
@@ -104,14 +109,13 @@ void WatchShutdown(sigset_t signals, std::chrono::seconds patience) {
   }).detach();
 }
 
-int Run(const Flags& flags) {
+int Run(const Flags& flags, const sigset_t& signals) {
   absl::StatusOr<std::shared_ptr<Log>> log = Log::ToStderr(flags.log_level);
   if (!log.ok()) {
     std::cerr << "limnd: " << log.status().message() << "\n";
     return kExitUsage;
   }
   RaiseDescriptorLimit();
-  const sigset_t signals = BlockEndingSignals();
 
   ServerOptions options = flags.server;
   options.log = *log;
@@ -137,8 +141,13 @@ int Run(const Flags& flags) {
                    .Add("signal", static_cast<std::uint64_t>(signal))
                    .Add("drain_seconds", options.limits.drain_seconds));
   WatchShutdown(signals, patience + kLastPatience);
-  (*server)->Shutdown(patience);
-  (*log)->Info(LogLine("stopped"));
+  const bool idle = (*server)->Shutdown(patience);
+  (*log)->Info(LogLine("stopped").Add("work_left", idle ? "no" : "yes"));
+  if (!idle) {
+    // Every call has its answer; nobody waits for what is left.
+    (void)(*log)->Flush(kLogPatience);
+    std::_Exit(EXIT_SUCCESS);
+  }
   return EXIT_SUCCESS;
 }
 
@@ -146,6 +155,8 @@ int Run(const Flags& flags) {
 }  // namespace limn
 
 int main(int argc, char** argv) {
+  const sigset_t signals = limn::BlockEndingSignals();
+  limn::KeepHeap();
   CLI::App app("limnd serves interpolating subdivision surfaces by gRPC.", "limnd");
   limn::Flags flags;
   limn::AddFlags(&app, &flags);
@@ -154,5 +165,5 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? EXIT_SUCCESS : limn::kExitUsage;
   }
-  return limn::Run(flags);
+  return limn::Run(flags, signals);
 }

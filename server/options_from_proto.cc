@@ -7,15 +7,12 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 #include "engine/base/error.h"
+#include "server/constraints_from_proto.h"
 
 namespace limn {
 namespace {
 
 constexpr std::size_t kMaxRequestIdBytes = 128;
-constexpr std::uint32_t kMostLevels = 10;
-constexpr std::uint32_t kMostSweeps = 10'000;
-constexpr std::uint32_t kLeastTileBytes = 4U << 10;
-constexpr std::uint32_t kMostTileBytes = 1U << 20;
 
 absl::Status Invalid(absl::string_view field, absl::string_view message, absl::string_view remedy) {
   return MakeError(absl::StrCat(field, ": ", message), {.reason = Reason::kInvalidOption,
@@ -69,31 +66,6 @@ absl::Status CheckEncoding(absl::string_view field, v1::MeshEncoding encoding) {
   return UnknownValue(field, encoding);
 }
 
-absl::Status CheckConstraints(const v1::Constraints& constraints) {
-  struct Kind {
-    bool used;
-    absl::string_view field;
-    absl::string_view feature;
-  };
-  const Kind kinds[] = {
-      {constraints.has_interpolate(), "constraints.interpolate", "subsets of vertices are"},
-      {constraints.normals_size() > 0, "constraints.normals", "prescribed normals are"},
-      {constraints.shape_handles_size() > 0, "constraints.shape_handles", "shape handles are"},
-      {constraints.surface_points_size() > 0, "constraints.surface_points",
-       "constraints at points of the surface are"},
-      {constraints.creases_size() > 0, "constraints.creases", "creases are"},
-      {constraints.corners_size() > 0, "constraints.corners", "sharp vertices are"},
-      {constraints.holes_size() > 0, "constraints.holes", "holes are"},
-      {constraints.has_features(), "constraints.features", "feature values are"},
-  };
-  for (const Kind& kind : kinds) {
-    if (kind.used) {
-      return NotBuilt(kind.field, kind.feature, "Leave it out: all vertices are interpolated");
-    }
-  }
-  return absl::OkStatus();
-}
-
 absl::StatusOr<SolveMethod> MethodFromProto(v1::SolveOptions::Method method) {
   switch (method) {
     case v1::SolveOptions::METHOD_UNSPECIFIED:
@@ -110,14 +82,13 @@ absl::StatusOr<SolveMethod> MethodFromProto(v1::SolveOptions::Method method) {
   }
 }
 
-absl::Status CheckRule(v1::SolveOptions::Rule rule) {
+absl::StatusOr<FirstRule> RuleFromProto(v1::SolveOptions::Rule rule) {
   switch (rule) {
     case v1::SolveOptions::RULE_UNSPECIFIED:
     case v1::SolveOptions::RULE_MODIFIED:
-      return absl::OkStatus();
+      return FirstRule::kModified;
     case v1::SolveOptions::RULE_STANDARD:
-      return NotBuilt("solve.rule", "the scheme's own first refinement rule is",
-                      "Use RULE_MODIFIED");
+      return FirstRule::kStandard;
     case v1::SolveOptions::RULE_BILINEAR_FIRST_STEP:
       return NotBuilt("solve.rule", "the bilinear first refinement rule is", "Use RULE_MODIFIED");
     default:
@@ -128,37 +99,26 @@ absl::Status CheckRule(v1::SolveOptions::Rule rule) {
 absl::StatusOr<SolveOptions> SolveFromProto(const v1::SolveOptions& solve) {
   SolveOptions options;
   LIMN_ASSIGN_OR_RETURN(options.method, MethodFromProto(solve.method()));
-  LIMN_RETURN_IF_ERROR(CheckRule(solve.rule()));
-  if (solve.fair()) {
-    return NotBuilt("solve.fair", "fairing is", "Leave it off");
-  }
-  if (solve.has_tolerance()) {
-    // Written so that NaN is refused.
-    if (!(solve.tolerance() >= 0 && solve.tolerance() < 1)) {
-      return Invalid("solve.tolerance", absl::StrCat(solve.tolerance(), " is not in [0, 1)"),
-                     "It is a part of the bounding box's diagonal, such as 1e-12");
-    }
-    options.tolerance = solve.tolerance();
-  }
-  if (solve.has_max_sweeps()) {
-    if (solve.max_sweeps() > kMostSweeps) {
-      return Invalid("solve.max_sweeps", absl::StrCat(solve.max_sweeps(), " is too many"),
-                     absl::StrCat("Use at most ", kMostSweeps));
-    }
-    options.max_sweeps = solve.max_sweeps();
-  }
+  if (solve.has_tolerance()) options.tolerance = solve.tolerance();
+  if (solve.has_max_sweeps()) options.max_sweeps = solve.max_sweeps();
+  LIMN_RETURN_IF_ERROR(ValidateSolveOptions(options));
   return options;
 }
 
 absl::Status ReadSurface(const v1::SurfaceOptions& surface, InterpolateOptions* options) {
   if (surface.fineness_case() == v1::SurfaceOptions::kChordTolerance) {
-    return NotBuilt("surface.chord_tolerance", "tessellation to a chord tolerance is",
-                    "Use surface.level");
+    // Written so that NaN is refused.
+    if (!(std::isfinite(surface.chord_tolerance()) && surface.chord_tolerance() > 0)) {
+      return Invalid("surface.chord_tolerance",
+                     absl::StrCat(surface.chord_tolerance(), " is not a finite number above 0"),
+                     "It is a distance in model units");
+    }
+    options->chord_tolerance = surface.chord_tolerance();
   }
   if (surface.fineness_case() == v1::SurfaceOptions::kLevel) {
-    if (surface.level() > kMostLevels) {
+    if (surface.level() > kMaxLevel) {
       return Invalid("surface.level", absl::StrCat(surface.level(), " is too many refinements"),
-                     absl::StrCat("Use at most ", kMostLevels));
+                     absl::StrCat("Use at most ", kMaxLevel));
     }
     options->level = surface.level();
   }
@@ -173,16 +133,20 @@ absl::Status ReadSurface(const v1::SurfaceOptions& surface, InterpolateOptions* 
 
 absl::Status CheckOutput(const v1::OutputOptions& output) {
   LIMN_RETURN_IF_ERROR(CheckEncoding("output.encoding", output.encoding()));
+  constexpr std::uint32_t kLeastBits = wire::kMinQuantizationBits;
+  constexpr std::uint32_t kMostBits = wire::kMaxQuantizationBits;
   const std::uint32_t bits = output.quantization_bits();
-  if (bits != 0 && (bits < 8 || bits > 30)) {
-    return Invalid("output.quantization_bits", absl::StrCat(bits, " is not in [8, 30]"),
+  if (bits != 0 && (bits < kLeastBits || bits > kMostBits)) {
+    return Invalid("output.quantization_bits",
+                   absl::StrCat(bits, " is not in [", kLeastBits, ", ", kMostBits, "]"),
                    "Leave it 0 for the default");
   }
   const std::uint32_t bytes = output.tile_bytes();
-  if (bytes != 0 && (bytes < kLeastTileBytes || bytes > kMostTileBytes)) {
-    return Invalid("output.tile_bytes",
-                   absl::StrCat(bytes, " is not in [", kLeastTileBytes, ", ", kMostTileBytes, "]"),
-                   "Leave it 0 for the default");
+  if (bytes != 0 && (bytes < wire::kMinTileBytes || bytes > wire::kMaxTileBytes)) {
+    return Invalid(
+        "output.tile_bytes",
+        absl::StrCat(bytes, " is not in [", wire::kMinTileBytes, ", ", wire::kMaxTileBytes, "]"),
+        "Leave it 0 for the default");
   }
   const bool draco = output.encoding() == v1::MESH_ENCODING_DRACO ||
                      output.encoding() == v1::MESH_ENCODING_DRACO_QUANTIZED;
@@ -190,18 +154,21 @@ absl::Status CheckOutput(const v1::OutputOptions& output) {
     return Invalid("output.omit_connectivity", "a Draco surface cannot go without connectivity",
                    "Use MESH_ENCODING_PACKED for it");
   }
-  if (output.repair()) {
-    return NotBuilt("output.repair", "repair of meshes is", "Leave it off");
-  }
   return absl::OkStatus();
 }
 
 void ReadOutput(const v1::OutputOptions& output, JobSpec* spec) {
   spec->send_control_mesh = output.control_mesh();
   spec->send_surface = output.surface();
+  spec->send_normals = output.surface() && output.normals();
+  spec->repair = output.repair();
   spec->engine.surface = true;
-  spec->engine.normals = output.surface() && output.normals();
-  if (!output.surface()) spec->engine.level = 0;
+  // Prescribed normals are certified, whether normals are sent or not.
+  spec->engine.normals = spec->send_normals || !spec->engine.constraints.normals.empty();
+  if (!output.surface()) {
+    spec->engine.level = 0;
+    spec->engine.chord_tolerance.reset();
+  }
   if (output.encoding() != v1::MESH_ENCODING_UNSPECIFIED) {
     spec->control_mesh.encoding = output.encoding();
     spec->tiles.encoding = output.encoding();
@@ -230,11 +197,32 @@ absl::StatusOr<JobSpec> JobSpecFromProto(const v1::InterpolateHeader& header) {
   if (spec.mesh.encoding() == v1::MESH_ENCODING_UNSPECIFIED) {
     spec.mesh.set_encoding(v1::MESH_ENCODING_PACKED);
   }
-  LIMN_RETURN_IF_ERROR(CheckConstraints(header.constraints()));
+  LIMN_ASSIGN_OR_RETURN(spec.engine.constraints,
+                        ConstraintsFromProto(header.constraints(), spec.mesh.vertex_count()));
   LIMN_ASSIGN_OR_RETURN(spec.engine.solve, SolveFromProto(header.solve()));
+  LIMN_ASSIGN_OR_RETURN(spec.engine.rule, RuleFromProto(header.solve().rule()));
+  spec.engine.fair = header.solve().fair();
   LIMN_RETURN_IF_ERROR(ReadSurface(header.surface(), &spec.engine));
   LIMN_RETURN_IF_ERROR(CheckOutput(header.output()));
   ReadOutput(header.output(), &spec);
+  return spec;
+}
+
+absl::StatusOr<JobSpec> EvaluateSpecFromProto(const v1::InterpolateHeader& header) {
+  LIMN_ASSIGN_OR_RETURN(JobSpec spec, JobSpecFromProto(header));
+  if (spec.send_surface || spec.send_control_mesh) {
+    return Invalid(spec.send_surface ? "output.surface" : "output.control_mesh",
+                   "Evaluate answers parameters only", "Leave it out; Interpolate sends it");
+  }
+  if (spec.mesh.encoding() == v1::MESH_ENCODING_DRACO_QUANTIZED) {
+    return Invalid("mesh.encoding", "a quantised mesh has lost the order of its faces",
+                   "Use a lossless encoding: parameters name faces by their numbers");
+  }
+  if (spec.repair) {
+    return Invalid("output.repair", "repair gives faces other numbers, which parameters name",
+                   "Leave it off, and send a mesh that is repaired already");
+  }
+  spec.engine.keep_patches = true;
   return spec;
 }
 
@@ -248,6 +236,41 @@ v1::SolveOptions::Method MethodToProto(SolveMethod method) {
       return v1::SolveOptions::METHOD_GAUSS_SEIDEL;
   }
   return v1::SolveOptions::METHOD_UNSPECIFIED;
+}
+
+v1::SolveOptions::Rule RuleToProto(FirstRule rule) {
+  switch (rule) {
+    case FirstRule::kModified:
+      return v1::SolveOptions::RULE_MODIFIED;
+    case FirstRule::kStandard:
+      return v1::SolveOptions::RULE_STANDARD;
+  }
+  return v1::SolveOptions::RULE_UNSPECIFIED;
+}
+
+v1::FairnessReport FairnessToProto(const FairnessReport& report) {
+  v1::FairnessReport told;
+  told.set_energy_before(report.energy_before);
+  told.set_energy_after(report.energy_after);
+  told.set_shape_handles(report.shape_handles);
+  told.set_smoothing(report.smoothing);
+  return told;
+}
+
+v1::RepairReport RepairToProto(const RepairReport& report) {
+  v1::RepairReport told;
+  told.set_degenerate_faces_removed(report.degenerate_faces_removed);
+  told.set_faces_mended(report.faces_mended);
+  told.set_repeated_faces_removed(report.repeated_faces_removed);
+  told.set_folded_faces_removed(report.folded_faces_removed);
+  told.set_faces_reoriented(report.faces_reoriented);
+  told.set_edges_cut(report.edges_cut);
+  told.set_edges_split(report.edges_split);
+  told.set_faces_split_off(report.faces_split_off);
+  told.set_vertices_split(report.vertices_split);
+  told.set_vertices_added(report.vertices_added);
+  told.set_isolated_vertices_removed(report.isolated_vertices_removed);
+  return told;
 }
 
 }  // namespace limn

@@ -8,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "engine/interpolate.h"
+#include "engine/mesh/repair.h"
 #include "limn/v1/interpolate.pb.h"
 #include "proto/wire/mesh_codec.h"
 #include "proto/wire/tile_codec.h"
@@ -20,10 +21,15 @@ struct JobSpec {
   std::string request_id;
   // The mesh's claims; see wire::CheckHeader, which is not called here.
   v1::MeshHeader mesh;
-  // `surface` is always set: without one to send, level 0 is computed for the certificate.
+  // `surface` is always set: without one to send, level 0 is computed for the certificate. So are
+  // `normals` where some are prescribed.
   InterpolateOptions engine;
+  // Whether the mesh is repaired first.
+  bool repair = false;
   bool send_control_mesh = false;
   bool send_surface = false;
+  // With the surface.
+  bool send_normals = false;
   wire::MeshEncodeOptions control_mesh;
   wire::TileOptions tiles;
 };
@@ -32,7 +38,15 @@ struct JobSpec {
 // interpolate.proto. Thread-safe.
 [[nodiscard]] absl::StatusOr<JobSpec> JobSpecFromProto(const v1::InterpolateHeader& header);
 
+// The job of an Evaluate call: it keeps the surface, and sends nothing of it by itself. Errors: as
+// above; INVALID_OPTION for a header that asks for control mesh or surface, or whose mesh is
+// quantised.
+[[nodiscard]] absl::StatusOr<JobSpec> EvaluateSpecFromProto(const v1::InterpolateHeader& header);
+
 // What the engine did, as the contract says it.
 [[nodiscard]] v1::SolveOptions::Method MethodToProto(SolveMethod method);
+[[nodiscard]] v1::SolveOptions::Rule RuleToProto(FirstRule rule);
+[[nodiscard]] v1::FairnessReport FairnessToProto(const FairnessReport& report);
+[[nodiscard]] v1::RepairReport RepairToProto(const RepairReport& report);
 
 }  // namespace limn

@@ -14,9 +14,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
-#include "server/cpu_limit.h"
 #include "server/limn_service.h"
 #include "server/listen_address.h"
+#include "server/machine_limits.h"
 #include "server/service_core.h"
 
 namespace limn {
@@ -30,6 +30,8 @@ constexpr std::chrono::milliseconds kStallCheckInterval(250);
 constexpr std::chrono::seconds kFarewell(2);
 // For short calls that are under way.
 constexpr std::chrono::milliseconds kLastCalls(500);
+// For work of ended streams to see that it is to stop.
+constexpr std::chrono::seconds kLastWork(2);
 constexpr int kSecond = 1000;
 
 absl::Status CheckOptions(const ServerOptions& options) {
@@ -97,6 +99,7 @@ struct Server::Impl {
   bool stopped = false;
   std::thread stall_watch;
   std::once_flag shutdown_once;
+  bool idle = false;
 };
 
 void Server::Impl::WatchStalls() {
@@ -136,7 +139,7 @@ void Server::Impl::Shutdown(std::chrono::milliseconds patience) {
   }
   stopping.notify_all();
   stall_watch.join();
-  core.Stop();
+  idle = core.StopUntil(Clock::now() + kLastWork);
 }
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& options) {
@@ -182,8 +185,9 @@ void Server::Drain() {
   impl_->SetServing(false);
 }
 
-void Server::Shutdown(std::chrono::milliseconds patience) {
+bool Server::Shutdown(std::chrono::milliseconds patience) {
   std::call_once(impl_->shutdown_once, [&] { impl_->Shutdown(patience); });
+  return impl_->idle;
 }
 
 }  // namespace limn

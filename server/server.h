@@ -35,7 +35,7 @@ class Server {
   // is not to be had.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerOptions& options);
 
-  // Shuts down without waiting for jobs.
+  // Shuts down without waiting for jobs. What Shutdown calls left over is waited for.
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
@@ -54,8 +54,10 @@ class Server {
   void Drain();
 
   // Drains, waits up to `patience` for the jobs, ends those that are left with SHUTTING_DOWN, and
-  // stops. Bounded: patience plus a few seconds. Further calls do nothing.
-  void Shutdown(std::chrono::milliseconds patience);
+  // stops. Bounded: patience plus a few seconds. False: all calls have ended, but work of theirs
+  // that cannot be interrupted (Draco on a large mesh) is left over on the server's threads; the
+  // process may end all the same, by std::_Exit. Further calls return the same.
+  bool Shutdown(std::chrono::milliseconds patience);
 
  private:
   struct Impl;

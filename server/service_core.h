@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <memory>
 #include <utility>
 
@@ -27,10 +28,17 @@ struct ServiceCore {
               .threads = thread_count}),
         admission(limits, lane) {}
 
-  // Ends the threads, after what was posted has run. No stream may be open.
-  void Stop() {
+  // Waits for the threads: what they run uses everything here.
+  ~ServiceCore() {
     lane.Stop();
     delivery.Stop();
+  }
+
+  // Ends the threads, after what was posted has run, and waits for them until then. False: some
+  // still run. No stream may be open.
+  [[nodiscard]] bool StopUntil(std::chrono::steady_clock::time_point until) {
+    const bool lane_ended = lane.StopUntil(until);
+    return delivery.StopUntil(until) && lane_ended;
   }
 
   const ServerLimits limits;
@@ -40,8 +48,9 @@ struct ServiceCore {
   // Set: new jobs are refused.
   std::atomic<bool> draining{false};
   StreamRegistry streams;
-  // Encodes answers, one task per stream at a time. Not the lane's threads: a finished job's
-  // answer must not wait behind another job.
+  // Make the messages of answers, one task per stream at a time, each a tile or a chunk at the
+  // most: short tasks, so that no answer waits long behind another. Not the lane's threads: a
+  // finished job's answer must not wait behind another job.
   WorkerThreads delivery;
   Lane lane;
   Admission admission;

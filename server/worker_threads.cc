@@ -7,7 +7,7 @@
 namespace limn {
 
 WorkerThreads::WorkerThreads(int count, std::shared_ptr<ThreadArena> arena)
-    : arena_(std::move(arena)) {
+    : arena_(std::move(arena)), alive_(count) {
   threads_.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) threads_.emplace_back([this] { Run(); });
 }
@@ -37,12 +37,15 @@ bool WorkerThreads::Remove(TaskId id) {
   return true;
 }
 
-void WorkerThreads::Stop() {
-  {
-    const std::lock_guard lock(mutex_);
-    stopping_ = true;
-  }
+bool WorkerThreads::StopUntil(std::chrono::steady_clock::time_point until) {
+  std::unique_lock lock(mutex_);
+  stopping_ = true;
   posted_.notify_all();
+  return ended_.wait_until(lock, until, [this] { return alive_ == 0; });
+}
+
+void WorkerThreads::Stop() {
+  (void)StopUntil(std::chrono::steady_clock::now());
   for (std::thread& thread : threads_) {
     if (thread.joinable()) thread.join();
   }
@@ -56,7 +59,11 @@ void WorkerThreads::Run() {
     {
       std::unique_lock lock(mutex_);
       posted_.wait(lock, [this] { return stopping_ || !tasks_.empty(); });
-      if (tasks_.empty()) return;
+      if (tasks_.empty()) {
+        --alive_;
+        ended_.notify_all();
+        return;
+      }
       task = std::move(tasks_.front().task);
       tasks_.pop_front();
     }

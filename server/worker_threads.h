@@ -2,6 +2,7 @@
 // A few threads that run tasks in the order in which they were posted.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -35,7 +36,11 @@ class WorkerThreads {
   // Takes a task back that has not started. False: it runs, has run, or never was.
   bool Remove(TaskId id);
 
-  // Runs what was posted, then ends the threads. Further calls do nothing.
+  // Has the threads end once they have run what was posted, and waits for them until then. False:
+  // some still run.
+  [[nodiscard]] bool StopUntil(std::chrono::steady_clock::time_point until);
+
+  // The same without an end to the patience. Further calls do nothing.
   void Stop();
 
  private:
@@ -51,6 +56,9 @@ class WorkerThreads {
   std::deque<Entry> tasks_;
   TaskId last_id_ = 0;
   bool stopping_ = false;
+  // Threads that have not ended, and who waits for them.
+  int alive_;
+  std::condition_variable ended_;
   std::vector<std::thread> threads_;
 };
 

@@ -2,8 +2,6 @@
 // Where a job goes: to a server elsewhere, or to one inside this process.
 #include "client/cli/connection.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
@@ -14,6 +12,7 @@
 
 #include "engine/base/error.h"
 #include "server/limits.h"
+#include "server/machine_limits.h"
 
 namespace limn::cli {
 namespace {
@@ -44,23 +43,18 @@ std::string CheckDeadline(const std::string& text) {
   return {};
 }
 
-// Bytes of memory of this machine.
-std::uint64_t PhysicalMemory() {
-  const long pages = sysconf(_SC_PHYS_PAGES);
-  const long page_bytes = sysconf(_SC_PAGESIZE);
-  if (pages <= 0 || page_bytes <= 0) return UINT64_MAX;
-  return static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_bytes);
-}
-
-// One's own machine needs no protection from oneself, except from jobs that cannot fit into it.
+// One's own machine needs no protection from oneself, except from jobs that cannot fit into it. A
+// third of the memory is left to the client's own copy of mesh and answer.
 ServerLimits EmbeddedLimits() {
   ServerLimits limits;
-  const std::uint64_t memory = PhysicalMemory();
+  const std::uint64_t memory = MemoryLimit() / 3 * 2;
   for (const LimitEntry& entry : LimitTable()) {
-    if (entry.unit == "bytes" && entry.value != &ServerLimits::max_message_bytes) {
+    if (entry.unit == "bytes") {
       limits.*entry.value = std::min(entry.most, memory);
     } else if (entry.unit == "vertices" || entry.unit == "corners" || entry.unit == "refinements") {
       limits.*entry.value = entry.most;
+    } else if (entry.unit == "bytes/s") {
+      limits.*entry.value = entry.least;
     }
   }
   return limits;

@@ -40,4 +40,20 @@ ExitStatus FailWithJob(const absl::Status& status) {
   return refused ? ExitStatus::kRefused : ExitStatus::kServer;
 }
 
+ExitStatus FailAtServer(const std::string& server, const absl::Status& status) {
+  const auto detail = GetErrorDetail(status);
+  const bool from_limn = detail && detail->reason == Reason::kShuttingDown;
+  if (server.empty() || status.code() != absl::StatusCode::kUnavailable || from_limn) {
+    return FailWithJob(status);
+  }
+  PrintError("no answer from " + server + " (" + std::string(status.message()) +
+             "); start limnd there, or leave --server out");
+  return ExitStatus::kServer;
+}
+
+ExitStatus FailInterrupted() {
+  PrintError("interrupted; nothing was written");
+  return ExitStatus::kInterrupted;
+}
+
 }  // namespace limn::cli

@@ -2,6 +2,7 @@
 // What the command line answers to the shell, and how it says what went wrong.
 #pragma once
 
+#include <string>
 #include <string_view>
 
 #include "absl/status/status.h"
@@ -32,5 +33,10 @@ ExitStatus FailWithFile(const absl::Status& status);
 ExitStatus FailWithOption(const absl::Status& status);
 // Of a job: what is wrong with the input is kRefused, everything else kServer.
 ExitStatus FailWithJob(const absl::Status& status);
+// Of a job at a server, empty for the embedded one: as FailWithJob, and with the address where that
+// is what is wrong.
+ExitStatus FailAtServer(const std::string& server, const absl::Status& status);
+// Of Ctrl-C.
+ExitStatus FailInterrupted();
 
 }  // namespace limn::cli

@@ -14,6 +14,7 @@
 #include "client/cli/report.h"
 #include "client/io/mesh_reader.h"
 #include "engine/mesh/mesh_info.h"
+#include "engine/mesh/repair.h"
 
 namespace limn::cli {
 namespace {
@@ -65,7 +66,10 @@ std::string InfoText(const MeshInfo& info) {
   text += Row("Euler", std::to_string(info.euler_characteristic));
   text += Row("bounding box", Triple(info.box.min) + " to " + Triple(info.box.max));
   if (info.problems.empty()) text += Row("problems", "none");
-  for (const MeshProblem& problem : info.problems) text += Row("problem", problem.text);
+  for (const MeshProblem& problem : info.problems) {
+    text +=
+        Row("problem", problem.text + (RepairMends(problem.reason) ? "; --repair mends that" : ""));
+  }
   return text;
 }
 
@@ -93,6 +97,7 @@ std::string InfoJson(const MeshInfo& info) {
     JsonObject& entry = problems.emplace_back();
     entry.Add("reason", ReasonName(problem.reason)).Add("count", problem.count);
     entry.Add("first", problem.first).Add("text", std::string_view(problem.text));
+    entry.Add("repairable", RepairMends(problem.reason));
   }
   object.Add("problems", problems);
   return object.Text() + "\n";

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // `limn interpolate`: a mesh file in, its limit surface and control mesh out.
+#include <cerrno>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -10,12 +11,14 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/connection.h"
+#include "client/cli/constraints_file.h"
 #include "client/cli/interrupt_watcher.h"
 #include "client/cli/job_options.h"
 #include "client/cli/job_runner.h"
 #include "client/cli/outputs.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/report.h"
+#include "client/cli/staged_files.h"
 #include "client/io/mesh_reader.h"
 #include "engine/base/error.h"
 
@@ -24,67 +27,76 @@ namespace {
 
 struct InterpolateFlags {
   std::string input;
+  // Empty for none.
+  std::string constraints;
   OutputPaths outputs;
   JobOptions job;
   ConnectionOptions connection;
   bool quiet = false;
 };
 
-ExitStatus Interrupted() {
-  PrintError("interrupted; nothing was written");
-  return ExitStatus::kInterrupted;
-}
-
-// The job's failure, with the server's address where that is what is wrong.
-ExitStatus FailAt(const std::string& server, const absl::Status& status) {
-  const auto detail = GetErrorDetail(status);
-  const bool from_limn = detail && detail->reason == Reason::kShuttingDown;
-  if (server.empty() || status.code() != absl::StatusCode::kUnavailable || from_limn) {
-    return FailWithJob(status);
+// The job's header, with the constraints of the file that is named.
+absl::StatusOr<v1::InterpolateHeader> MakeHeader(const InterpolateFlags& flags) {
+  v1::InterpolateHeader header =
+      MakeJobHeader(flags.job, {.surface = !flags.outputs.surfaces.empty(),
+                                .control_mesh = !flags.outputs.control_mesh.empty()});
+  if (!flags.constraints.empty()) {
+    LIMN_ASSIGN_OR_RETURN(*header.mutable_constraints(), ReadConstraintsFile(flags.constraints));
   }
-  PrintError("no answer from " + server + " (" + std::string(status.message()) +
-             "); start limnd there, or leave --server out");
-  return ExitStatus::kServer;
+  return header;
 }
 
 ExitStatus Run(const InterpolateFlags& flags) {
-  absl::Status status = CheckOutputs(flags.outputs, flags.input);
+  absl::Status status = CheckOutputs(flags.outputs, {flags.input, flags.constraints});
   if (!status.ok()) return FailWithOption(status);
+  absl::StatusOr<v1::InterpolateHeader> header = MakeHeader(flags);
+  if (!header.ok()) return FailWithFile(header.status());
 
   ProgressBar bar(!flags.quiet);
   JobCanceller canceller;
   const InterruptWatcher watcher([&canceller] { canceller.Cancel(); });
   bar.Show("read", 0);
   absl::StatusOr<PolygonMesh> mesh = ReadMeshFile(flags.input);
-  if (canceller.cancelled()) return Interrupted();
+  if (canceller.cancelled()) return FailInterrupted();
   bar.Clear();
   if (!mesh.ok()) return FailWithFile(mesh.status());
 
-  const WantedOutputs wanted = {.surface = !flags.outputs.surfaces.empty(),
-                                .control_mesh = !flags.outputs.control_mesh.empty()};
   absl::StatusOr<Connection> connection = Connection::Open(flags.connection);
   if (!connection.ok()) return FailWithJob(connection.status());
-  const absl::StatusOr<JobResult> result = RunJob(
-      connection->client(), {MakeJobHeader(flags.job, wanted), *std::move(mesh)}, &bar, &canceller);
+  const absl::StatusOr<JobResult> result =
+      RunJob(connection->client(), {*std::move(header), *std::move(mesh)}, &bar, &canceller);
   bar.Clear();
-  if (canceller.cancelled()) return Interrupted();
-  if (!result.ok()) return FailAt(flags.connection.server, result.status());
+  if (canceller.cancelled()) return FailInterrupted();
+  if (!result.ok()) {
+    return FailAtServer(flags.connection.server,
+                        NameConstraintsFile(result.status(), flags.constraints));
+  }
 
   bar.Show("write", 0);
-  status = WriteOutputs(flags.outputs, *result);
+  StagedFiles files([&canceller] { return canceller.cancelled(); });
+  status = WriteOutputs(flags.outputs, *result, &files);
   bar.Clear();
+  if (canceller.cancelled()) return FailInterrupted();
   if (!status.ok()) return FailWithFile(status);
-  if (!flags.quiet) std::fputs(SummaryTable(result->summary).c_str(), stdout);
-  return ExitStatus::kOk;
+  // Before the files appear: after a failure there must be none.
+  if (!flags.quiet) {
+    std::fputs(SummaryTable(result->summary).c_str(), stdout);
+    if (std::fflush(stdout) != 0) {
+      return FailWithFile(absl::ErrnoToStatus(errno, "cannot write to standard output"));
+    }
+  }
+  status = files.Commit();
+  return status.ok() ? ExitStatus::kOk : FailWithFile(status);
 }
 
 }  // namespace
 
 void AddInterpolateCommand(CLI::App& app, ExitStatus* status) {
   CLI::App* command = app.add_subcommand(
-      "interpolate", "Find the smooth surface that passes through every vertex of a mesh");
+      "interpolate", "Find the smooth surface that passes through the vertices of a mesh");
   const auto flags = std::make_shared<InterpolateFlags>();
-  command->add_option("IN", flags->input, "Closed mesh: .obj, .off, .ply or .stl")->required();
+  command->add_option("IN", flags->input, "Mesh, open or closed: .obj, .off, .ply or .stl")
+      ->required();
   command
       ->add_option("-o,--output", flags->outputs.surfaces,
                    "The tessellated surface: .obj, .off, .ply, .stl or .glb; may be given again "
@@ -100,7 +112,9 @@ void AddInterpolateCommand(CLI::App& app, ExitStatus* status) {
       ->add_option("--report", flags->outputs.report,
                    "The summary (limn.v1.Summary) as JSON: sizes, sweeps, errors, times")
       ->type_name("FILE.json");
-  AddJobFlags(*command, &flags->job);
+  AddConstraintsFlag(*command, &flags->constraints);
+  AddSolveFlags(*command, &flags->job);
+  AddTessellationFlags(*command, &flags->job);
   AddConnectionFlags(*command, &flags->connection);
   command->add_flag("-q,--quiet", flags->quiet, "No table and no progress bar");
   command->callback([flags, status] { *status = Run(*flags); });

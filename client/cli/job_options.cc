@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The flags of `limn interpolate` that say what the job is, and the header they make.
+// The flags that say what a job is, and the header they make.
 #include "client/cli/job_options.h"
 
 #include <array>
@@ -11,12 +11,17 @@
 #include <CLI/Error.hpp>
 #include <CLI/Validators.hpp>
 
+#include "absl/strings/str_cat.h"
+#include "engine/base/context.h"
+#include "engine/solve/solve.h"
 #include "limn/v1/mesh.pb.h"
+#include "proto/wire/quantization_grid.h"
 
 namespace limn::cli {
 namespace {
 
 using SolveMethod = v1::SolveOptions::Method;
+using FirstRule = v1::SolveOptions::Rule;
 
 template <class T, std::size_t kCount>
 using Names = std::array<std::pair<std::string_view, T>, kCount>;
@@ -31,6 +36,11 @@ constexpr Names<SolveMethod, 3> kSolvers = {{
     {"chebyshev", v1::SolveOptions::METHOD_CHEBYSHEV},
     {"jacobi", v1::SolveOptions::METHOD_JACOBI},
     {"gauss-seidel", v1::SolveOptions::METHOD_GAUSS_SEIDEL},
+}};
+
+constexpr Names<FirstRule, 2> kRules = {{
+    {"modified", v1::SolveOptions::RULE_MODIFIED},
+    {"standard", v1::SolveOptions::RULE_STANDARD},
 }};
 
 // How results travel.
@@ -66,39 +76,58 @@ std::string CheckTolerance(const std::string& text) {
 
 }  // namespace
 
-void AddJobFlags(CLI::App& app, JobOptions* options) {
+void AddSolveFlags(CLI::App& app, JobOptions* options) {
   app.add_option("--scheme", options->scheme, "Subdivision scheme (built: doo-sabin)")
       ->check(OneOf(kSchemes))
       ->capture_default_str();
-  app.add_option("--level", options->level, "Refinements of the tessellation, 0 to 10")
-      ->check(CLI::Range(0U, 10U))
-      ->capture_default_str()
-      ->type_name("K");
   app.add_option("--solver", options->solver, "Iteration that finds the control mesh")
       ->check(OneOf(kSolvers))
       ->capture_default_str();
+  app.add_option("--rule", options->rule,
+                 "First refinement that the equations are set up with: Zheng and Cai's modified "
+                 "one, or the scheme's own, which is Nasri's method [modified]")
+      ->check(OneOf(kRules));
   app.add_option("--tolerance", options->tolerance,
                  "Stop when no vertex moves further in a sweep than this part of the bounding "
                  "box's diagonal; 0 runs --max-sweeps [1e-12]")
       ->check(CLI::Validator(CheckTolerance, "", "tolerance"))
       ->type_name("EPS");
-  app.add_option("--max-sweeps", options->max_sweeps, "Sweeps at the most, 0 to 10000 [100]")
-      ->check(CLI::Range(0U, 10000U))
+  app.add_option("--max-sweeps", options->max_sweeps,
+                 absl::StrCat("Sweeps at the most, 0 to ", kMaxSweeps, " [100]"))
+      ->check(CLI::Range(0U, kMaxSweeps))
       ->type_name("N");
+  app.add_flag("--fair", options->fair,
+               "Cure overshoot where edge lengths differ, when that lowers the bending energy");
+}
+
+void AddTessellationFlags(CLI::App& app, JobOptions* options) {
+  app.add_option("--level", options->level,
+                 absl::StrCat("Refinements of the tessellation, 0 to ", kMaxLevel))
+      ->check(CLI::Range(0U, kMaxLevel))
+      ->capture_default_str()
+      ->type_name("K");
   app.add_option("--encoding", options->encoding,
                  "How meshes travel; draco-quantized is lossy: it moves points and reorders faces")
       ->check(OneOf(kEncodings))
       ->capture_default_str();
+  constexpr std::uint32_t kLeastBits = wire::kMinQuantizationBits;
+  constexpr std::uint32_t kMostBits = wire::kMaxQuantizationBits;
   app.add_option("--quantization-bits", options->quantization_bits,
-                 "Bits per coordinate of draco-quantized, 8 to 30 [16]")
-      ->check(CLI::Range(8U, 30U))
+                 absl::StrCat("Bits per coordinate of draco-quantized, ", kLeastBits, " to ",
+                              kMostBits, " [16]"))
+      ->check(CLI::Range(kLeastBits, kMostBits))
       ->type_name("N");
+  app.add_flag("--repair", options->repair,
+               "Mend a mesh that would be refused, and say what was changed: degenerate, repeated "
+               "and turned faces, edges of more than two faces, vertices of several fans or of no "
+               "face");
 }
 
 v1::InterpolateHeader MakeJobHeader(const JobOptions& options, const WantedOutputs& wanted) {
   v1::InterpolateHeader header;
   header.set_scheme(ValueOf(kSchemes, options.scheme));
   header.mutable_solve()->set_method(ValueOf(kSolvers, options.solver));
+  if (options.rule) header.mutable_solve()->set_rule(ValueOf(kRules, *options.rule));
   if (options.tolerance) header.mutable_solve()->set_tolerance(*options.tolerance);
   if (options.max_sweeps) header.mutable_solve()->set_max_sweeps(*options.max_sweeps);
   header.mutable_surface()->set_level(options.level);
@@ -113,6 +142,8 @@ v1::InterpolateHeader MakeJobHeader(const JobOptions& options, const WantedOutpu
   output.set_surface(wanted.surface);
   output.set_normals(wanted.surface);
   output.set_control_mesh(wanted.control_mesh);
+  output.set_repair(options.repair);
+  header.mutable_solve()->set_fair(options.fair);
   return header;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The flags of `limn interpolate` that say what the job is, and the header they make.
+// The flags that say what a job is, and the header they make.
 #pragma once
 
 #include <cstdint>
@@ -18,13 +18,19 @@ struct JobOptions {
   std::string solver = "chebyshev";
   std::string encoding = "packed";
   std::uint32_t level = 2;
+  std::optional<std::string> rule;
   std::optional<double> tolerance;
   std::optional<std::uint32_t> max_sweeps;
   std::optional<std::uint32_t> quantization_bits;
+  bool repair = false;
+  bool fair = false;
 };
 
-// Adds the flags. Values out of range end the parse with a CLI::ValidationError.
-void AddJobFlags(CLI::App& app, JobOptions* options);
+// Add the flags of how the surface is found, and of its tessellation, how it travels and what is
+// done to the mesh before, which is not for evaluations. Values out of range end the parse with a
+// CLI::ValidationError.
+void AddSolveFlags(CLI::App& app, JobOptions* options);
+void AddTessellationFlags(CLI::App& app, JobOptions* options);
 
 // What to ask the server to send back.
 struct WantedOutputs {

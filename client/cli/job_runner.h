@@ -2,7 +2,9 @@
 // Runs one job to its end, with a progress bar, and lets another thread stop it.
 #pragma once
 
+#include <functional>
 #include <mutex>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "client/cli/progress_bar.h"
@@ -17,13 +19,13 @@ class JobCanceller {
   void Cancel();
   bool cancelled() const;
 
-  // The job that Cancel() cancels from now on; none for nullptr.
-  void Attach(ClientJob* job);
+  // What Cancel() calls from now on, under a lock; nothing for {}.
+  void Attach(std::function<void()> cancel);
 
  private:
   mutable std::mutex mutex_;
   bool cancelled_ = false;
-  ClientJob* job_ = nullptr;
+  std::function<void()> cancel_;
 };
 
 // A job's two halves.
@@ -33,8 +35,14 @@ struct JobInput {
 };
 
 // Submits, shows progress, puts the answer together. Errors: those of Client::Submit and of the
-// server; CANCELLED after canceller->Cancel(); MALFORMED_REQUEST when the answer makes no sense.
+// server; CANCELLED after canceller->Cancel(); those of ResultCollector.
 [[nodiscard]] absl::StatusOr<JobResult> RunJob(const Client& client, JobInput input,
                                                ProgressBar* bar, JobCanceller* canceller);
+
+// The same for an evaluation. Errors: those of Client::SubmitEvaluation, of the server and of
+// CollectEvaluation; CANCELLED after canceller->Cancel().
+[[nodiscard]] absl::StatusOr<EvaluateResult> RunEvaluation(
+    const Client& client, JobInput input, const std::vector<SurfaceParameter>& parameters,
+    ProgressBar* bar, JobCanceller* canceller);
 
 }  // namespace limn::cli

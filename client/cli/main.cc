@@ -12,6 +12,7 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/exit_status.h"
+#include "engine/base/heap.h"
 
 namespace limn::cli {
 namespace {
@@ -42,6 +43,7 @@ ExitStatus Main(int argc, char** argv) {
   app.footer(kFooter);
   ExitStatus status = ExitStatus::kOk;
   AddInterpolateCommand(app, &status);
+  AddEvaluateCommand(app, &status);
   AddGenerateCommand(app, &status);
   AddInfoCommand(app, &status);
   try {
@@ -61,6 +63,7 @@ ExitStatus Main(int argc, char** argv) {
 }  // namespace limn::cli
 
 int main(int argc, char** argv) {
+  limn::KeepHeap();
   using limn::cli::ExitStatus;
   try {
     return static_cast<int>(limn::cli::Main(argc, argv));

@@ -3,14 +3,10 @@
 #include "client/cli/outputs.h"
 
 #include <filesystem>
-#include <functional>
-#include <memory>
 #include <system_error>
 #include <utility>
 
-#include "absl/strings/str_replace.h"
 #include "client/cli/report.h"
-#include "client/cli/staged_files.h"
 #include "client/io/mesh_writer.h"
 #include "client/io/output_file.h"
 #include "engine/base/error.h"
@@ -28,16 +24,21 @@ fs::path Identity(const std::string& path) {
   return error ? fs::path(path) : canonical;
 }
 
-absl::Status CheckDistinct(const OutputPaths& paths, const std::string& input) {
+absl::Status CheckDistinct(const OutputPaths& paths, const std::vector<std::string>& inputs) {
   std::vector<std::string> all = paths.surfaces;
   if (!paths.control_mesh.empty()) all.push_back(paths.control_mesh);
   if (!paths.report.empty()) all.push_back(paths.report);
-  std::vector<fs::path> seen = {Identity(input)};
+  if (!paths.samples.empty()) all.push_back(paths.samples);
+  std::vector<fs::path> seen;
+  for (const std::string& input : inputs) {
+    if (!input.empty()) seen.push_back(Identity(input));
+  }
+  const std::size_t input_count = seen.size();
   for (const std::string& path : all) {
     fs::path identity = Identity(path);
     for (std::size_t i = 0; i < seen.size(); ++i) {
       if (seen[i] != identity) continue;
-      const std::string what = i == 0 ? " is the input" : " is named for two outputs";
+      const std::string what = i < input_count ? " is an input" : " is named for two outputs";
       return MakeError("'" + path + "'" + what, {.reason = Reason::kInvalidOption,
                                                  .field = "output",
                                                  .remedy = "Give every file its own name"});
@@ -47,55 +48,40 @@ absl::Status CheckDistinct(const OutputPaths& paths, const std::string& input) {
   return absl::OkStatus();
 }
 
-absl::Status WriteText(const std::string& path, const std::string& text) {
-  LIMN_ASSIGN_OR_RETURN(const std::unique_ptr<io::OutputFile> file, io::OutputFile::Create(path));
-  file->Append(text);
-  return file->Commit();
-}
-
-using WriteFunction = std::function<absl::Status(const std::string& path)>;
-
-// Writes to the staged name of `path`, but speaks of `path` when that fails.
-absl::Status WriteStaged(StagedFiles* files, const std::string& path, const WriteFunction& write) {
-  const std::string temporary = files->Stage(path);
-  absl::Status status = write(temporary);
-  if (status.ok()) return status;
-  return {status.code(), absl::StrReplaceAll(status.message(), {{temporary, path}})};
-}
-
 }  // namespace
 
-absl::Status CheckOutputs(const OutputPaths& paths, const std::string& input) {
-  LIMN_RETURN_IF_ERROR(CheckDistinct(paths, input));
+absl::Status CheckOutputs(const OutputPaths& paths, const std::vector<std::string>& inputs) {
+  LIMN_RETURN_IF_ERROR(CheckDistinct(paths, inputs));
   for (const std::string& path : paths.surfaces) {
     LIMN_RETURN_IF_ERROR(CheckWritable(path, OutputKind::kSurface));
   }
   if (!paths.control_mesh.empty()) {
     LIMN_RETURN_IF_ERROR(CheckWritable(paths.control_mesh, OutputKind::kMesh));
   }
-  if (!paths.report.empty()) return io::OutputFile::Create(paths.report).status();
+  for (const std::string& path : {paths.report, paths.samples}) {
+    if (!path.empty()) LIMN_RETURN_IF_ERROR(io::OutputFile::Create(path).status());
+  }
   return absl::OkStatus();
 }
 
-absl::Status WriteOutputs(const OutputPaths& paths, const JobResult& result) {
-  StagedFiles files;
+absl::Status WriteOutputs(const OutputPaths& paths, const JobResult& result, StagedFiles* files) {
   for (const std::string& path : paths.surfaces) {
-    LIMN_RETURN_IF_ERROR(WriteStaged(&files, path, [&](const std::string& temporary) {
-      return WriteSurfaceFile(temporary, result.surface);
-    }));
+    LIMN_ASSIGN_OR_RETURN(io::OutputFile* const file, files->Create(path));
+    LIMN_RETURN_IF_ERROR(WriteSurfaceTo(path, result.surface, file));
   }
   if (!paths.control_mesh.empty()) {
-    LIMN_RETURN_IF_ERROR(WriteStaged(&files, paths.control_mesh, [&](const std::string& temporary) {
-      return WriteMeshFile(temporary, result.control_mesh);
-    }));
+    LIMN_ASSIGN_OR_RETURN(io::OutputFile* const file, files->Create(paths.control_mesh));
+    LIMN_RETURN_IF_ERROR(WriteMeshTo(paths.control_mesh, result.control_mesh, file));
   }
-  if (!paths.report.empty()) {
-    LIMN_ASSIGN_OR_RETURN(const std::string json, SummaryJson(result.summary));
-    LIMN_RETURN_IF_ERROR(WriteStaged(&files, paths.report, [&](const std::string& temporary) {
-      return WriteText(temporary, json);
-    }));
-  }
-  return files.Commit();
+  return WriteReport(paths.report, result.summary, files);
+}
+
+absl::Status WriteReport(const std::string& path, const v1::Summary& summary, StagedFiles* files) {
+  if (path.empty()) return absl::OkStatus();
+  LIMN_ASSIGN_OR_RETURN(const std::string json, SummaryJson(summary));
+  LIMN_ASSIGN_OR_RETURN(io::OutputFile* const file, files->Create(path));
+  file->Append(json);
+  return absl::OkStatus();
 }
 
 }  // namespace limn::cli

@@ -5,6 +5,7 @@
 #include <google/protobuf/util/json_util.h>
 
 #include <string_view>
+#include <utility>
 
 #include "absl/strings/str_format.h"
 
@@ -28,18 +29,79 @@ std::string_view MethodName(v1::SolveOptions::Method method) {
   }
 }
 
+std::string_view RuleName(v1::SolveOptions::Rule rule) {
+  switch (rule) {
+    case v1::SolveOptions::RULE_MODIFIED:
+      return "modified";
+    case v1::SolveOptions::RULE_STANDARD:
+      return "standard";
+    default:
+      return "other";
+  }
+}
+
 std::string SolveText(const v1::SolveReport& solve) {
-  return absl::StrFormat("%u (%s, %s, residual %.1e of the bounding box)", solve.sweeps(),
-                         MethodName(solve.method()),
+  return absl::StrFormat("%u (%s, %s rule, %s, residual %.1e of the bounding box)", solve.sweeps(),
+                         MethodName(solve.method()), RuleName(solve.rule()),
                          solve.converged() ? "converged" : "tolerance not met", solve.residual());
 }
 
-std::string ErrorText(const v1::Certificate& certificate) {
+std::string LengthText(double length, const v1::Certificate& certificate) {
   const double diagonal = certificate.bounding_box_diagonal();
-  return absl::StrFormat("%.2e (%.1e of the bounding box) over %s vertices",
-                         certificate.max_error(),
-                         diagonal > 0 ? certificate.max_error() / diagonal : 0.0,
-                         WithCommas(certificate.points_checked()));
+  return absl::StrFormat("%.2e (%.1e of the bounding box)", length,
+                         diagonal > 0 ? length / diagonal : 0.0);
+}
+
+std::string CertificateRows(const v1::Certificate& certificate) {
+  std::string rows;
+  if (certificate.points_checked() > 0) {
+    rows += Row("points checked", WithCommas(certificate.points_checked()));
+    rows +=
+        Row("largest error", LengthText(certificate.max_error(), certificate) +
+                                 absl::StrFormat(" at vertex %u", certificate.max_error_vertex()));
+    rows += Row("mean error", LengthText(certificate.mean_error(), certificate));
+  }
+  if (certificate.normals_checked() > 0) {
+    rows += Row("normals checked", WithCommas(certificate.normals_checked()));
+    rows += Row("largest deviation",
+                absl::StrFormat("%.2e rad at vertex %u", certificate.max_normal_deviation(),
+                                certificate.max_normal_deviation_vertex()));
+  }
+  return rows;
+}
+
+// A row for each kind of change.
+std::string FairnessRow(const v1::FairnessReport& fairness) {
+  const bool both = fairness.shape_handles() && fairness.smoothing();
+  const std::string cures = both                       ? "handles and smoothing"
+                            : fairness.shape_handles() ? "handles"
+                            : fairness.smoothing()     ? "smoothing"
+                                                       : "nothing lowers it";
+  return Row("bending energy", absl::StrFormat("%.6g, before %.6g (%s)", fairness.energy_after(),
+                                               fairness.energy_before(), cures));
+}
+
+std::string RepairRows(const v1::RepairReport& repair) {
+  const std::pair<std::uint64_t, std::string_view> changes[] = {
+      {repair.degenerate_faces_removed(), "degenerate faces removed"},
+      {repair.faces_mended(), "faces cut where they visited a vertex again"},
+      {repair.repeated_faces_removed(), "repeated faces removed"},
+      {repair.folded_faces_removed(), "folded faces removed"},
+      {repair.faces_reoriented(), "faces turned round"},
+      {repair.edges_cut(), "edges cut that no orientation suits"},
+      {repair.edges_split(), "edges of more than two faces taken apart"},
+      {repair.faces_split_off(), "faces split off"},
+      {repair.vertices_split(), "vertices split"},
+      {repair.vertices_added(), "vertices added by that"},
+      {repair.isolated_vertices_removed(), "isolated vertices removed"},
+  };
+  std::string rows;
+  for (const auto& [count, what] : changes) {
+    if (count == 0) continue;
+    rows += Row(rows.empty() ? "repaired" : "",
+                std::string(what).append(": ").append(WithCommas(count)));
+  }
+  return rows.empty() ? Row("repaired", "nothing: there was no need") : rows;
 }
 
 }  // namespace
@@ -54,15 +116,15 @@ std::string SummaryTable(const v1::Summary& summary) {
   std::string table;
   table += Row("given vertices", WithCommas(summary.input_vertices()));
   table += Row("given faces", WithCommas(summary.input_faces()));
+  if (summary.has_fairness()) table += FairnessRow(summary.fairness());
+  if (summary.has_repair()) table += RepairRows(summary.repair());
   if (summary.surface_vertices() > 0) {
     table += Row("surface vertices", WithCommas(summary.surface_vertices()));
     table += Row("surface faces", WithCommas(summary.surface_faces()) +
                                       absl::StrFormat(" (level %u)", summary.level()));
   }
   table += Row("sweeps", SolveText(summary.solve()));
-  if (summary.certificate().points_checked() > 0) {
-    table += Row("largest error", ErrorText(summary.certificate()));
-  }
+  table += CertificateRows(summary.certificate());
   for (const v1::StageTime& stage : summary.stages()) {
     table += Row("  " + stage.stage(), absl::StrFormat("%10.3f ms", stage.milliseconds()));
   }

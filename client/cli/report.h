@@ -10,7 +10,7 @@
 
 namespace limn::cli {
 
-// A short table: sizes, sweeps, errors, time per stage, bytes on the wire.
+// A short table: sizes, what was repaired, sweeps, errors, time per stage, bytes on the wire.
 [[nodiscard]] std::string SummaryTable(const v1::Summary& summary);
 
 // The JSON mapping of limn.v1.Summary, indented, every field written.

@@ -2,55 +2,29 @@
 // Output files that appear all together or not at all.
 #include "client/cli/staged_files.h"
 
-#include <unistd.h>
+#include <utility>
 
-#include <filesystem>
-#include <system_error>
+#include "engine/base/error.h"
 
 namespace limn::cli {
-namespace {
 
-namespace fs = std::filesystem;
-
-// Where a file written to `path` ends up.
-fs::path Followed(const std::string& path) {
-  std::error_code error;
-  const fs::path canonical = fs::canonical(path, error);
-  return error ? fs::path(path) : canonical;
-}
-
-}  // namespace
-
-StagedFiles::~StagedFiles() {
-  std::error_code ignored;
-  for (const File& file : files_) fs::remove(file.temporary, ignored);
-}
-
-std::string StagedFiles::Stage(const std::string& path) {
-  const fs::path target = Followed(path);
-  const std::string name = ".limn-" + std::to_string(getpid()) + "-" +
-                           std::to_string(files_.size()) + target.extension().string();
-  files_.push_back({(target.parent_path() / name).string(), target.string()});
-  return files_.back().temporary;
+absl::StatusOr<io::OutputFile*> StagedFiles::Create(const std::string& path) {
+  LIMN_ASSIGN_OR_RETURN(std::unique_ptr<io::OutputFile> file, io::OutputFile::Create(path, stop_));
+  files_.push_back(std::move(file));
+  return files_.back().get();
 }
 
 absl::Status StagedFiles::Commit() {
-  std::error_code error;
-  std::size_t moved = 0;
-  for (; moved < files_.size(); ++moved) {
-    const File& file = files_[moved];
-    const fs::file_status there = fs::status(file.target, error);
-    if (fs::exists(there)) fs::permissions(file.temporary, there.permissions(), error);
-    fs::rename(file.temporary, file.target, error);
-    if (error) break;
+  for (const auto& file : files_) LIMN_RETURN_IF_ERROR(file->Close());
+  for (std::size_t i = 0; i < files_.size(); ++i) {
+    const absl::Status status = files_[i]->Place();
+    if (status.ok()) continue;
+    // The last first: two names may be links to one file.
+    while (i-- > 0) files_[i]->Undo();
+    return status;
   }
-  if (moved == files_.size()) {
-    files_.clear();
-    return absl::OkStatus();
-  }
-  std::error_code ignored;
-  for (std::size_t i = 0; i < moved; ++i) fs::remove(files_[i].target, ignored);
-  return absl::UnknownError("'" + files_[moved].target + "' cannot be written: " + error.message());
+  files_.clear();
+  return absl::OkStatus();
 }
 
 }  // namespace limn::cli

@@ -2,35 +2,35 @@
 // Output files that appear all together or not at all.
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "client/io/output_file.h"
 
 namespace limn::cli {
 
-// Files are written beside their places under names of their own, and moved there at the end.
-// Whatever is not committed is removed. Not thread-safe.
+// Files are written beside their places and moved there at the end. Whatever is not committed is
+// removed; a file that stood there before is untouched until then, and stands there again when
+// another one cannot be put in its place. Not thread-safe.
 class StagedFiles {
  public:
-  StagedFiles() = default;
-  ~StagedFiles();
-  StagedFiles(const StagedFiles&) = delete;
-  StagedFiles& operator=(const StagedFiles&) = delete;
+  // stop: as in io::OutputFile::Create.
+  explicit StagedFiles(std::function<bool()> stop = {}) : stop_(std::move(stop)) {}
 
-  // Where to write the file that is to stand at `path`: in the same folder, with the same
-  // extension. A symbolic link is followed, so that it stays one.
-  std::string Stage(const std::string& path);
+  // The file that is to stand at `path`; it belongs to this object. A symbolic link is followed, so
+  // that it stays one. Errors: as io::OutputFile::Create.
+  [[nodiscard]] absl::StatusOr<io::OutputFile*> Create(const std::string& path);
 
-  // Moves every file to its place. After an error none of them stands there.
+  // Moves every file to its place. After an error everything stands there as before.
   [[nodiscard]] absl::Status Commit();
 
  private:
-  struct File {
-    std::string temporary;
-    std::string target;
-  };
-  std::vector<File> files_;
+  std::function<bool()> stop_;
+  std::vector<std::unique_ptr<io::OutputFile>> files_;
 };
 
 }  // namespace limn::cli

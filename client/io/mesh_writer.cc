@@ -88,11 +88,18 @@ absl::Status CheckIndices(const io::SurfaceView& view) {
   return absl::OkStatus();
 }
 
-absl::Status Write(const std::string& path, const io::SurfaceView& view, OutputKind kind) {
+absl::Status Write(const std::string& path, const io::SurfaceView& view, OutputKind kind,
+                   io::OutputFile* file) {
   LIMN_ASSIGN_OR_RETURN(const WriteFunction write, FindFormat(path, kind));
   LIMN_RETURN_IF_ERROR(CheckIndices(view));
+  return write(view, file);
+}
+
+absl::Status WriteAndCommit(const std::string& path, const io::SurfaceView& view, OutputKind kind) {
+  LIMN_RETURN_IF_ERROR(FindFormat(path, kind).status());
+  LIMN_RETURN_IF_ERROR(CheckIndices(view));
   LIMN_ASSIGN_OR_RETURN(const std::unique_ptr<io::OutputFile> file, io::OutputFile::Create(path));
-  LIMN_RETURN_IF_ERROR(write(view, file.get()));
+  LIMN_RETURN_IF_ERROR(Write(path, view, kind, file.get()));
   return file->Commit();
 }
 
@@ -103,9 +110,11 @@ absl::Status OutOfMemory(const std::string& path) {
                     .remedy = "Write .ply, which needs none"});
 }
 
-absl::Status WriteOrExplain(const std::string& path, const io::SurfaceView& view, OutputKind kind) {
+// write(): what may throw.
+template <class F>
+absl::Status Explained(const std::string& path, const F& write) {
   try {
-    return Write(path, view, kind);
+    return write();
   } catch (const std::bad_alloc&) {
     return OutOfMemory(path);
   } catch (const std::length_error&) {
@@ -124,11 +133,24 @@ absl::Status CheckWritable(const std::string& path, OutputKind kind) {
 }
 
 absl::Status WriteMeshFile(const std::string& path, const PolygonMesh& mesh) {
-  return WriteOrExplain(path, io::SurfaceView(mesh), OutputKind::kMesh);
+  return Explained(path,
+                   [&] { return WriteAndCommit(path, io::SurfaceView(mesh), OutputKind::kMesh); });
 }
 
 absl::Status WriteSurfaceFile(const std::string& path, const Tessellation& surface) {
-  return WriteOrExplain(path, io::SurfaceView(surface), OutputKind::kSurface);
+  return Explained(
+      path, [&] { return WriteAndCommit(path, io::SurfaceView(surface), OutputKind::kSurface); });
+}
+
+absl::Status WriteMeshTo(const std::string& path, const PolygonMesh& mesh, io::OutputFile* file) {
+  return Explained(path,
+                   [&] { return Write(path, io::SurfaceView(mesh), OutputKind::kMesh, file); });
+}
+
+absl::Status WriteSurfaceTo(const std::string& path, const Tessellation& surface,
+                            io::OutputFile* file) {
+  return Explained(
+      path, [&] { return Write(path, io::SurfaceView(surface), OutputKind::kSurface, file); });
 }
 
 }  // namespace limn

@@ -19,6 +19,10 @@
 
 namespace limn {
 
+namespace io {
+class OutputFile;
+}
+
 // What is to be written; surfaces have more formats.
 enum class OutputKind { kMesh, kSurface };
 
@@ -49,5 +53,12 @@ enum class OutputKind { kMesh, kSurface };
 // origin; uint32 triangles as for .stl; normals of (0, 0, 0) become (0, 0, 1), as glTF demands unit
 // length.
 [[nodiscard]] absl::Status WriteSurfaceFile(const std::string& path, const Tessellation& surface);
+
+// The same into a file that the caller has created under this path and commits: see
+// client/io/output_file.h.
+[[nodiscard]] absl::Status WriteMeshTo(const std::string& path, const PolygonMesh& mesh,
+                                       io::OutputFile* file);
+[[nodiscard]] absl::Status WriteSurfaceTo(const std::string& path, const Tessellation& surface,
+                                          io::OutputFile* file);
 
 }  // namespace limn

@@ -4,6 +4,7 @@
 
 #include <charconv>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -14,13 +15,15 @@
 
 namespace limn::io {
 
-// Writes go to a buffer and from there to a file beside the target. The first error sticks and is
-// what Commit returns. Not thread-safe.
+// Writes go to a buffer and from there to a file beside the target, of a name that nobody else has.
+// The first error sticks and is what Commit returns. Not thread-safe.
 class OutputFile {
  public:
-  // Errors: as CheckWritable, apart from the extension.
-  [[nodiscard]] static absl::StatusOr<std::unique_ptr<OutputFile>> Create(const std::string& path);
-  // Removes the file unless it was committed.
+  // stop: looked at with every buffer that is written; once it says true the file fails with
+  // CANCELLED. Errors: as CheckWritable, apart from the extension.
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<OutputFile>> Create(
+      const std::string& path, std::function<bool()> stop = {});
+  // Removes what was not put in its place, and what was kept of an older file.
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
@@ -42,16 +45,27 @@ class OutputFile {
 
   // Whether nothing failed so far; lets long loops stop early.
   bool ok() const { return status_.ok(); }
-  // Puts the file in its place.
+  // Puts the file in its place: Close and Place.
   [[nodiscard]] absl::Status Commit();
+
+  // The two steps of Commit, for files that are to appear together. After Place the older file, if
+  // there was one, is kept until the destructor; Undo puts it back.
+  [[nodiscard]] absl::Status Close();
+  [[nodiscard]] absl::Status Place();
+  void Undo();
 
  private:
   OutputFile(std::string target, std::string partial, int descriptor);
+  [[nodiscard]] absl::Status KeepOlder();
   void Flush();
   void Write(std::string_view bytes);
 
   std::string target_;
   std::string partial_;
+  // Another name of the older file while it can still be put back.
+  std::string older_;
+  bool placed_ = false;
+  std::function<bool()> stop_;
   int descriptor_;
   absl::Status status_;
   Buffer<char> buffer_;

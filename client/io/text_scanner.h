@@ -18,9 +18,13 @@ namespace limn::io {
 class TextScanner {
  public:
   // comment: the character that starts a comment up to the end of the line, or '\0'.
-  // continued: whether a backslash at the end of a line joins the next line to it.
+  // continued: whether a backslash at the end of a line joins the next line to it. A byte order
+  // mark of UTF-8 at the beginning is no part of the text.
   TextScanner(std::string_view text, char comment, bool continued)
-      : text_(text), comment_(comment), continued_(continued) {}
+      : text_(text), comment_(comment), continued_(continued) {
+    constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+    if (text.substr(0, kByteOrderMark.size()) == kByteOrderMark) at_ = kByteOrderMark.size();
+  }
 
   // The next token of this line; empty at its end.
   std::string_view TokenOnLine() {

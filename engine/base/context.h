@@ -15,6 +15,9 @@
 
 namespace limn {
 
+// Refinements that are ever taken.
+inline constexpr std::uint32_t kMaxLevel = 10;
+
 // Sizes above which a job is refused before anything is allocated for it. Defaults are those of
 // the engine; a server sets its own.
 struct Limits {
@@ -23,7 +26,7 @@ struct Limits {
   // Corners (sum of arities) of the input.
   std::uint64_t max_corners = std::uint64_t{1} << 30;
   // Refinements.
-  std::uint32_t max_level = 10;
+  std::uint32_t max_level = kMaxLevel;
   // Bytes of the arrays that a job holds at once, by the engine's own estimate.
   std::uint64_t max_bytes = std::uint64_t{1} << 38;
 };

@@ -13,7 +13,8 @@
 namespace limn {
 namespace {
 
-// Payload: reason, field, index and remedy, one a line. A field and a remedy hold no line breaks.
+// Payload: reason, field, index, limit, "retry" or nothing, and remedy, one a line. Only the remedy
+// may have line breaks.
 constexpr char kPayloadUrl[] = "limn/error_detail";
 
 struct ReasonEntry {
@@ -32,13 +33,13 @@ constexpr std::array kReasons = {
                 absl::StatusCode::kInvalidArgument},
     ReasonEntry{Reason::kCoordinateTooLarge, "COORDINATE_TOO_LARGE",
                 absl::StatusCode::kInvalidArgument},
+    ReasonEntry{Reason::kExtentTooSmall, "EXTENT_TOO_SMALL", absl::StatusCode::kInvalidArgument},
     ReasonEntry{Reason::kIsolatedVertex, "ISOLATED_VERTEX", absl::StatusCode::kInvalidArgument},
     ReasonEntry{Reason::kNonManifoldEdge, "NON_MANIFOLD_EDGE", absl::StatusCode::kInvalidArgument},
     ReasonEntry{Reason::kInconsistentOrientation, "INCONSISTENT_ORIENTATION",
                 absl::StatusCode::kInvalidArgument},
     ReasonEntry{Reason::kNonManifoldVertex, "NON_MANIFOLD_VERTEX",
                 absl::StatusCode::kInvalidArgument},
-    ReasonEntry{Reason::kOpenMesh, "OPEN_MESH", absl::StatusCode::kInvalidArgument},
     ReasonEntry{Reason::kMalformedEncoding, "MALFORMED_ENCODING",
                 absl::StatusCode::kInvalidArgument},
     ReasonEntry{Reason::kMalformedRequest, "MALFORMED_REQUEST", absl::StatusCode::kInvalidArgument},
@@ -96,11 +97,11 @@ absl::Status MakeError(std::string_view message, const ErrorDetail& detail) {
   std::string text(message);
   if (!detail.remedy.empty()) absl::StrAppend(&text, ". ", detail.remedy);
   absl::Status status(CodeOf(detail.reason), text);
-  status.SetPayload(
-      kPayloadUrl,
-      absl::Cord(absl::StrCat(std::string(ReasonName(detail.reason)), "\n", detail.field, "\n",
-                              detail.index.has_value() ? absl::StrCat(*detail.index) : "", "\n",
-                              detail.remedy)));
+  status.SetPayload(kPayloadUrl,
+                    absl::Cord(absl::StrCat(
+                        std::string(ReasonName(detail.reason)), "\n", detail.field, "\n",
+                        detail.index.has_value() ? absl::StrCat(*detail.index) : "", "\n",
+                        detail.limit, "\n", detail.retryable ? "retry" : "", "\n", detail.remedy)));
   return status;
 }
 
@@ -111,14 +112,16 @@ std::optional<ErrorDetail> GetErrorDetail(const absl::Status& status) {
   const auto payload = status.GetPayload(kPayloadUrl);
   if (!payload.has_value()) return detail;
   const std::string text(*payload);
-  const std::vector<std::string> lines = absl::StrSplit(text, absl::MaxSplits('\n', 3));
-  if (lines.size() != 4) return detail;
+  const std::vector<std::string> lines = absl::StrSplit(text, absl::MaxSplits('\n', 5));
+  if (lines.size() != 6) return detail;
   for (const ReasonEntry& entry : kReasons) {
     if (entry.name == lines[0]) detail.reason = entry.reason;
   }
   detail.field = lines[1];
   if (std::uint64_t index = 0; absl::SimpleAtoi(lines[2], &index)) detail.index = index;
-  detail.remedy = lines[3];
+  detail.limit = lines[3];
+  detail.retryable = !lines[4].empty();
+  detail.remedy = lines[5];
   return detail;
 }
 

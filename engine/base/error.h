@@ -23,11 +23,11 @@ enum class Reason {
   kRepeatedVertex,           // a face that visits a vertex twice
   kNonFiniteCoordinate,      // NaN or infinite
   kCoordinateTooLarge,       // arithmetic on it would overflow
+  kExtentTooSmall,           // arithmetic on differences would underflow
   kIsolatedVertex,           // a vertex that no face uses
   kNonManifoldEdge,          // an edge of more than two faces
   kInconsistentOrientation,  // two faces that walk an edge in the same direction
   kNonManifoldVertex,        // a vertex whose faces do not form one fan
-  kOpenMesh,                 // a boundary where a closed mesh is needed
   kMalformedEncoding,        // bytes that do not decode
   kMalformedRequest,         // messages out of order, missing or contradictory
   kMalformedFile,            // a file that does not parse
@@ -52,12 +52,19 @@ absl::StatusCode CodeOf(Reason reason);
 // What an error says beside its message.
 struct ErrorDetail {
   Reason reason = Reason::kInternal;
-  // Path of the offending field, such as "faces" or "solve.tolerance"; empty when there is none.
+  // Path of the offending field, such as "faces", "solve.tolerance" or, within an element,
+  // "constraints.normals[3].vertex"; empty when there is none.
   std::string field = {};
   // Index of the first offending element in that field, if it has elements.
   std::optional<std::uint64_t> index = std::nullopt;
   // What the caller can do about it, one sentence; empty when there is nothing.
   std::string remedy = {};
+  // The limit that was exceeded, as the server's flag is called, such as "max-vertices"; empty when
+  // there is none that can be set.
+  std::string limit = {};
+  // Whether the same request may go well a little later because nothing is wrong with it: others
+  // use what it needs. Always taken as true with kUnavailable.
+  bool retryable = false;
 };
 
 // An error with a message for a person and its detail as payload. The remedy is appended to the

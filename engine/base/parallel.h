@@ -4,23 +4,30 @@
 // is in; see ThreadArena.
 #pragma once
 
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/parallel_reduce.h>
-#include <oneapi/tbb/task_arena.h>
-#include <oneapi/tbb/task_group.h>
-
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <optional>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/types/span.h"
 #include "engine/base/context.h"
+#include "engine/base/fork_join.h"
 
 namespace limn {
+namespace parallel_internal {
+
+// Calls body(loop, begin, end) for disjoint ranges of at least `grain`, all but the last, that
+// cover [0, n), until one of them returns false.
+void RunLoop(std::size_t n, std::size_t grain,
+             bool (*body)(void* loop, std::size_t begin, std::size_t end), void* loop);
+
+}  // namespace parallel_internal
 
 // Iterations per chunk where a loop does not say otherwise: long enough to hide the scheduler
 // (some 10 us of work), short enough to stop soon after a cancel. Loops below it run serially.
@@ -36,20 +43,24 @@ template <class Body>
     if (n > 0) body(std::size_t{0}, n);
     return absl::OkStatus();
   }
-  tbb::task_group_context group;
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, n, grain),
-      [&](const tbb::blocked_range<std::size_t>& range) {
-        // Ranges larger than the grain are cut up, so that a stop is seen soon.
-        for (std::size_t begin = range.begin(); begin < range.end(); begin += grain) {
-          if (context.stop_requested()) {
-            group.cancel_group_execution();
-            return;
-          }
-          body(begin, std::min(begin + grain, range.end()));
-        }
-      },
-      tbb::auto_partitioner(), group);
+  struct Loop {
+    const Context& context;
+    const std::size_t grain;
+    const Body& body;
+    // Last, so that all of the loop is there when it says so.
+    ForkJoin fork_join = {};
+  } loop = {.context = context, .grain = grain, .body = body};
+  const auto visit = [](void* at, std::size_t begin, std::size_t end) {
+    Loop& self = *static_cast<Loop*>(at);
+    const ForkJoin::Body scope(self.fork_join);
+    // Ranges larger than the grain are cut up, so that a stop is seen soon.
+    for (; begin < end; begin += self.grain) {
+      if (self.context.stop_requested()) return false;
+      self.body(begin, std::min(begin + self.grain, end));
+    }
+    return true;
+  };
+  parallel_internal::RunLoop(n, grain, visit, &loop);
   return context.Check();
 }
 
@@ -58,32 +69,33 @@ template <class Body>
   return ParallelFor(context, n, kDefaultGrain, body);
 }
 
+// Calls body(begin, end) for the chunks of [0, n) one after the other, in this thread: for what
+// depends on its order. Returns the context's status when it was stopped; the rest was not visited
+// then.
+template <class Body>
+[[nodiscard]] absl::Status ForInOrder(const Context& context, std::size_t n, const Body& body) {
+  for (std::size_t begin = 0; begin < n; begin += kDefaultGrain) {
+    if (context.stop_requested()) break;
+    body(begin, std::min(begin + kDefaultGrain, n));
+  }
+  return context.Check();
+}
+
 // Largest value of body(begin, end) over disjoint ranges that cover [0, n), and at least
 // `identity`. The maximum does not depend on the order, so neither does the result.
 template <class Body>
 [[nodiscard]] absl::Status ParallelMax(const Context& context, std::size_t n, double identity,
                                        const Body& body, double* result) {
-  *result = identity;
-  if (context.stop_requested()) return context.Check();
-  if (n <= kDefaultGrain) {
-    if (n > 0) *result = std::max(identity, body(std::size_t{0}, n));
-    return absl::OkStatus();
-  }
-  tbb::task_group_context group;
-  *result = tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, n, kDefaultGrain), identity,
-      [&](const tbb::blocked_range<std::size_t>& range, double best) {
-        for (std::size_t begin = range.begin(); begin < range.end(); begin += kDefaultGrain) {
-          if (context.stop_requested()) {
-            group.cancel_group_execution();
-            return best;
-          }
-          best = std::max(best, body(begin, std::min(begin + kDefaultGrain, range.end())));
-        }
-        return best;
-      },
-      [](double a, double b) { return std::max(a, b); }, tbb::auto_partitioner(), group);
-  return context.Check();
+  std::atomic<double> largest = identity;
+  absl::Status status = ParallelFor(context, n, [&](std::size_t begin, std::size_t end) {
+    const double found = body(begin, end);
+    double before = largest.load(std::memory_order_relaxed);
+    while (before < found &&
+           !largest.compare_exchange_weak(before, found, std::memory_order_relaxed)) {
+    }
+  });
+  *result = largest.load(std::memory_order_relaxed);
+  return status;
 }
 
 // Calls body(block, begin, end) for the blocks of fixed size `block_size` that cover [0, n). Which
@@ -153,27 +165,54 @@ template <class Count, class Place>
 }
 
 // Threads that loops started here may use.
-[[nodiscard]] inline int AvailableThreads() { return tbb::this_task_arena::max_concurrency(); }
+[[nodiscard]] int AvailableThreads();
 
 // Threads to run jobs on. Loops called inside Execute use at most `threads` threads, the caller's
 // among them. Thread-safe; several jobs may share an arena.
 class ThreadArena {
  public:
   // threads: 1 or more; 0 means one per processor that this process may use.
-  explicit ThreadArena(int threads)
-      : arena_(threads == 0 ? tbb::task_arena::automatic : std::max(1, threads)) {}
+  explicit ThreadArena(int threads);
+  ~ThreadArena();
+  ThreadArena(const ThreadArena&) = delete;
+  ThreadArena& operator=(const ThreadArena&) = delete;
 
   // Runs f() in this arena and returns its result.
   template <class F>
   auto Execute(F&& f) {
-    return arena_.execute(std::forward<F>(f));
+    using Result = std::invoke_result_t<F&>;
+    if constexpr (std::is_void_v<Result>) {
+      Enter(f);
+    } else {
+      std::optional<Result> result;
+      Enter([&] { result.emplace(f()); });
+      return *std::move(result);
+    }
   }
 
   // Threads of this arena.
-  int threads() const { return arena_.max_concurrency(); }
+  int threads() const;
 
  private:
-  tbb::task_arena arena_;
+  struct Arena;
+
+  template <class F>
+  void Enter(F&& f) {
+    struct Call {
+      std::remove_reference_t<F>& f;
+      ForkJoin fork_join = {};
+    } call = {.f = f};
+    const auto run = [](void* at) {
+      Call& self = *static_cast<Call*>(at);
+      const ForkJoin::Body scope(self.fork_join);
+      self.f();
+    };
+    Enter(run, &call);
+  }
+  // Calls f(call), here or in another thread.
+  void Enter(void (*f)(void* call), void* call);
+
+  const std::unique_ptr<Arena> arena_;
 };
 
 }  // namespace limn

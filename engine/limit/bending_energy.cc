@@ -107,10 +107,11 @@ absl::StatusOr<BendingEnergyMeter> BendingEnergyMeter::Make(const Context& conte
 
 absl::StatusOr<double> BendingEnergyMeter::Measure(const Context& context,
                                                    absl::Span<const Vec3> corners,
-                                                   const BoundaryCurve* /*boundary*/) {
+                                                   const BoundaryCurve* boundary) {
   refined_.resize(4 * mesh_.half_edge_count());
-  LIMN_RETURN_IF_ERROR(RefineDooSabin(context, {.mesh = mesh_, .fans = fans_, .k = 1}, corners,
-                                      absl::MakeSpan(refined_)));
+  LIMN_RETURN_IF_ERROR(RefineDooSabin(context,
+                                      {.mesh = mesh_, .fans = fans_, .k = 1, .boundary = boundary},
+                                      corners, absl::MakeSpan(refined_)));
   double size = 0;
   LIMN_RETURN_IF_ERROR(ParallelMax(
       context, corners.size(), 0,
@@ -147,6 +148,22 @@ absl::StatusOr<double> BendingEnergyMeter::Measure(const Context& context,
                      absl::MakeConstSpan(fans_.corner)
                          .subspan(fans_.begin[i], fans_.begin[i + 1] - fans_.begin[i]),
                      &ring);
+          sum += RingEnergy(scale, &ring);
+        }
+        return sum;
+      },
+      &total));
+  if (boundary == nullptr || boundary->empty()) return total;
+  // The patches at boundary vertices, whose faces ghosts complete.
+  LIMN_ASSIGN_OR_RETURN(const BoundaryCurve curve, RefineBoundary(context, mesh_, *boundary));
+  LIMN_RETURN_IF_ERROR(AddBlocks(
+      context, curve.size(), kRingBlock,
+      [&](std::size_t begin, std::size_t end) {
+        double sum = 0;
+        PatchRing ring;
+        BoundaryFace face;
+        for (std::size_t i = begin; i < end; ++i) {
+          GatherBoundaryRing(split_, curve, refined_.data(), static_cast<Index>(i), &face, &ring);
           sum += RingEnergy(scale, &ring);
         }
         return sum;

@@ -8,6 +8,20 @@
 namespace limn {
 namespace {
 
+// Normal of the limit surface at the centroid of an m-gon, m other than 4.
+Vec3 PolygonNormal(std::size_t m, const Harmonics& f) {
+  return UnitCross(f.t1, f.t2, static_cast<double>(m) * MaxAbs(f.mean));
+}
+
+Vec3 QuadNormal(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  return UnitCross(a - c, b - d, MaxAbs(a));
+}
+
+Vec3 FaceNormal(absl::Span<const Vec3> p) {
+  if (p.size() == 4) return QuadNormal(p[0], p[1], p[2], p[3]);
+  return PolygonNormal(p.size(), FirstHarmonics(p.size(), [&](std::size_t i) { return p[i]; }));
+}
+
 // Writes limit points and normals of faces of M^k.
 class FaceLimits {
  public:
@@ -19,7 +33,7 @@ class FaceLimits {
   void Quad(std::size_t at, std::size_t a, std::size_t b, std::size_t c, std::size_t d) const {
     points_[at] = 0.25 * ((in_[a] + in_[c]) + (in_[b] + in_[d]));
     if (normals_ != nullptr) {
-      normals_[at] = UnitCross(in_[a] - in_[c], in_[b] - in_[d], MaxAbs(in_[a]));
+      normals_[at] = QuadNormal(in_[a], in_[b], in_[c], in_[d]);
     }
   }
 
@@ -33,7 +47,7 @@ class FaceLimits {
     }
     const Harmonics f = FirstHarmonics(m, [&](std::size_t i) { return in_[corner(i)]; });
     points_[at] = f.mean;
-    normals_[at] = UnitCross(f.t1, f.t2, static_cast<double>(m) * MaxAbs(f.mean));
+    normals_[at] = PolygonNormal(m, f);
   }
 
  private:
@@ -51,6 +65,8 @@ class FaceLimits {
   Vec3* normals_;
 };
 
+// kOpen: boundary vertices and edges are left to BoundaryLimits.
+template <bool kOpen>
 absl::Status VertexLimits(const Context& context, const DooSabinLevel& level,
                           const FaceLimits& limits) {
   const HalfEdgeMesh& mesh = level.mesh;
@@ -58,6 +74,7 @@ absl::Status VertexLimits(const Context& context, const DooSabinLevel& level,
     return ParallelFor(context, mesh.vertex_count(), [&](std::size_t begin, std::size_t end) {
       for (std::size_t v = begin; v < end; ++v) {
         const Index* const fan = mesh.fan().data() + mesh.fan_begin()[v];
+        if (kOpen && mesh.twin()[fan[0]] == kNoIndex) continue;
         limits.Polygon(v, mesh.valence(v), [&](std::size_t i) { return fan[i]; });
       }
     });
@@ -68,6 +85,8 @@ absl::Status VertexLimits(const Context& context, const DooSabinLevel& level,
         const QuadWalk walk(mesh);
         for (std::size_t v = begin; v < end; ++v) {
           const Index a = mesh.vertex_half_edge()[v];
+          // At a boundary it is the half-edge along it.
+          if (kOpen && mesh.twin()[a] == kNoIndex) continue;
           const Index b = RotateCcw(walk, mesh.twin(), a);
           const Index c = RotateCcw(walk, mesh.twin(), b);
           limits.Quad(v, a, b, c, RotateCcw(walk, mesh.twin(), c));
@@ -84,7 +103,7 @@ absl::Status VertexLimits(const Context& context, const DooSabinLevel& level,
   });
 }
 
-template <class Walk>
+template <bool kOpen, class Walk>
 absl::Status EdgeAndFaceLimits(const Context& context, const Walk& walk, const HalfEdgeMesh& mesh,
                                const FaceLimits& limits) {
   const std::size_t first_edge = mesh.vertex_count();
@@ -93,6 +112,7 @@ absl::Status EdgeAndFaceLimits(const Context& context, const Walk& walk, const H
         for (std::size_t e = begin; e < end; ++e) {
           const Index h = mesh.edge_half_edge()[e];
           const Index t = mesh.twin()[h];
+          if (kOpen && t == kNoIndex) continue;
           limits.Quad(first_edge + e, walk.Next(h), h, walk.Next(t), t);
         }
       }));
@@ -106,15 +126,49 @@ absl::Status EdgeAndFaceLimits(const Context& context, const Walk& walk, const H
   });
 }
 
+// Points of the curve, and normals of the faces that ghosts complete.
+absl::Status BoundaryLimits(const Context& context, const DooSabinLevel& level, const Vec3* corners,
+                            const LimitOutput& output) {
+  const HalfEdgeMesh& mesh = level.mesh;
+  const BoundaryCurve& curve = *level.boundary;
+  return ParallelFor(context, curve.size(), [&](std::size_t begin, std::size_t end) {
+    BoundaryFace face;
+    for (std::size_t i = begin; i < end; ++i) {
+      const Index number = static_cast<Index>(i);
+      const std::size_t vertex = mesh.vertex()[curve.half_edge[i]];
+      const std::size_t edge = mesh.vertex_count() + mesh.edge()[curve.half_edge[i]];
+      output.points[vertex] = curve.centre[i] - curve.origin;
+      if (!output.vertices_only) {
+        output.points[edge] = 0.5 * (curve.start[i] + curve.end[i]) - curve.origin;
+      }
+      if (output.normals.empty()) continue;
+      GatherBoundaryFace(mesh, curve, corners, number, &face);
+      output.normals[vertex] = FaceNormal(face.point);
+      if (!output.vertices_only) {
+        output.normals[edge] = FaceNormal(BoundaryEdgeFace(mesh, curve, corners, number));
+      }
+    }
+  });
+}
+
+template <bool kOpen>
+absl::Status AllLimits(const Context& context, const DooSabinLevel& level, const Vec3* corners,
+                       const LimitOutput& output) {
+  const FaceLimits limits(corners, output);
+  LIMN_RETURN_IF_ERROR(VertexLimits<kOpen>(context, level, limits));
+  if (output.vertices_only) return absl::OkStatus();
+  return WithWalk(level.mesh, [&](auto walk) {
+    return EdgeAndFaceLimits<kOpen>(context, walk, level.mesh, limits);
+  });
+}
+
 }  // namespace
 
 absl::Status DooSabinLimit(const Context& context, const DooSabinLevel& level,
                            absl::Span<const Vec3> corners, const LimitOutput& output) {
-  const FaceLimits limits(corners.data(), output);
-  LIMN_RETURN_IF_ERROR(VertexLimits(context, level, limits));
-  if (output.vertices_only) return absl::OkStatus();
-  return WithWalk(level.mesh,
-                  [&](auto walk) { return EdgeAndFaceLimits(context, walk, level.mesh, limits); });
+  if (!level.open()) return AllLimits<false>(context, level, corners.data(), output);
+  LIMN_RETURN_IF_ERROR(AllLimits<true>(context, level, corners.data(), output));
+  return BoundaryLimits(context, level, corners.data(), output);
 }
 
 }  // namespace limn

@@ -20,10 +20,11 @@ struct LimitOutput {
   bool vertices_only = false;
 };
 
-// level: T^(k-1) as in RefineDooSabin. corners: points of M^k, one per half-edge of T^(k-1).
-// Normals are unit vectors, outward for counter-clockwise faces, or (0, 0, 0) where the first
-// harmonic spans no plane. Errors: CANCELLED, DEADLINE_EXCEEDED. Cost: one pass. Same bits for any
-// number of threads. Thread-safe.
+// level: T^(k-1) and boundary as in RefineDooSabin. Points are relative to the boundary's origin,
+// as corners are. corners: points of M^k, one per half-edge of T^(k-1). Normals are unit vectors,
+// outward for counter-clockwise faces, or (0, 0, 0) where the first harmonic spans no plane.
+// Errors: CANCELLED, DEADLINE_EXCEEDED. Cost: one pass. Same bits for any number of threads.
+// Thread-safe.
 [[nodiscard]] absl::Status DooSabinLimit(const Context& context, const DooSabinLevel& level,
                                          absl::Span<const Vec3> corners, const LimitOutput& output);
 

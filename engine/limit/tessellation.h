@@ -7,6 +7,10 @@
 // edges in the order of their first occurrence when corners are walked face by face. Level k has
 // one quad per corner of level k - 1, in corner order:
 //   (vertex, edge leaving it, face, edge entering it).
+// Loop: triangle f of level k - 1 becomes triangles 4f .. 4f + 3, one for each of its corners in
+// corner order,
+//   (vertex, edge leaving it, edge entering it),
+// and then the middle one, (edge leaving its first corner, its second, its third).
 // So the first n vertices of every level are the limit points of the n input vertices, in input
 // order, and the connectivity is a function of the input's connectivity and the level alone.
 #pragma once

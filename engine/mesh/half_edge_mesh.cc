@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <compare>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -19,13 +18,6 @@ namespace {
 
 // Buckets above this size are sorted before their half-edges are paired.
 constexpr std::size_t kLargeBucket = 32;
-
-// A half-edge in the bucket of its end of smaller number.
-struct BucketEntry {
-  Index other_end;
-  Index half_edge;
-  friend auto operator<=>(const BucketEntry& a, const BucketEntry& b) = default;
-};
 
 // What the walk around vertices found.
 struct FanFindings {
@@ -49,7 +41,7 @@ absl::Status ReportFans(const FanFindings& found) {
                      {.reason = Reason::kNonManifoldVertex,
                       .field = "mesh.vertices",
                       .index = found.first_multiple,
-                      .remedy = "Give each fan a vertex of its own"});
+                      .remedy = OrRepair("Give each fan a vertex of its own")});
   }
   if (found.isolated > 0) {
     return MakeError(absl::StrCat("isolated vertices (used by no face): ", found.isolated,
@@ -57,7 +49,7 @@ absl::Status ReportFans(const FanFindings& found) {
                      {.reason = Reason::kIsolatedVertex,
                       .field = "mesh.vertices",
                       .index = found.first_isolated,
-                      .remedy = "Remove them"});
+                      .remedy = OrRepair("Remove them")});
   }
   return absl::OkStatus();
 }
@@ -158,10 +150,15 @@ class HalfEdgeMeshBuilder {
           for (std::size_t v = begin; v < end; ++v) good &= PairBucket(v);
           if (!good) malformed.store(true, std::memory_order_relaxed);
         }));
+    if (malformed.load()) return Diagnose();
     bucket_ = {};
     bucket_begin_ = {};
-    if (!malformed.load()) return absl::OkStatus();
-    LIMN_RETURN_IF_ERROR(DiagnoseEdges(input_));
+    return absl::OkStatus();
+  }
+
+  absl::Status Diagnose() const {
+    LIMN_RETURN_IF_ERROR(
+        DiagnoseEdges(context_, input_, {.begin = bucket_begin_, .uses = bucket_}));
     return MakeError("half-edges do not pair up", {.reason = Reason::kInternal});
   }
 
@@ -252,7 +249,7 @@ class HalfEdgeMeshBuilder {
   HalfEdgeMesh mesh_;
   // bucket_[bucket_begin_[v] .. bucket_begin_[v + 1]) is the bucket of v.
   Buffer<Index> bucket_begin_;
-  Buffer<BucketEntry> bucket_;
+  Buffer<EdgeUse> bucket_;
 };
 
 absl::StatusOr<HalfEdgeMesh> HalfEdgeMesh::Build(const Context& context, const PolygonMesh& mesh) {

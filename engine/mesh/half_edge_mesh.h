@@ -73,6 +73,7 @@ class HalfEdgeMesh {
  private:
   friend class HalfEdgeMeshBuilder;
   friend class QuadSplitter;
+  friend class TriangleSplitter;
   HalfEdgeMesh() = default;
 
   std::uint32_t arity_ = 0;
@@ -110,7 +111,7 @@ class PolygonWalk {
   const Index* face_;
 };
 
-// Meshes of quads only, such as every refined mesh: no memory is touched.
+// Meshes of quads only, refined or from Build: no memory is touched.
 class QuadWalk {
  public:
   explicit QuadWalk(const HalfEdgeMesh& /*mesh*/) {}
@@ -121,10 +122,22 @@ class QuadWalk {
   static Index Prev(Index h) { return (h & ~Index{3}) | ((h + 3) & 3); }
 };
 
+// Meshes of triangles only, refined or from Build: no memory is touched.
+class TriangleWalk {
+ public:
+  explicit TriangleWalk(const HalfEdgeMesh& /*mesh*/) {}
+  static Index Face(Index h) { return h / 3; }
+  static Index FaceBegin(Index f) { return 3 * f; }
+  static Index FaceEnd(Index f) { return 3 * f + 3; }
+  static Index Next(Index h) { return h % 3 == 2 ? h - 2 : h + 1; }
+  static Index Prev(Index h) { return h % 3 == 0 ? h + 2 : h - 1; }
+};
+
 // Calls f with the walk that fits the mesh.
 template <class F>
 auto WithWalk(const HalfEdgeMesh& mesh, F&& f) {
   if (mesh.arity() == 4) return f(QuadWalk(mesh));
+  if (mesh.arity() == 3) return f(TriangleWalk(mesh));
   return f(PolygonWalk(mesh));
 }
 
@@ -138,6 +151,21 @@ template <class Walk>
 Index RotateCw(const Walk& walk, absl::Span<const Index> twin, Index h) {
   const Index t = twin[h];
   return t == kNoIndex ? kNoIndex : walk.Next(t);
+}
+
+// Calls visit(h) for the half-edges that leave a vertex, counter-clockwise from `start`, which is
+// the vertex's own (see vertex_half_edge). Returns kNoIndex inside a mesh, and at a boundary the
+// half-edge that enters the vertex along it, which no visited one is the twin of.
+template <class Walk, class Visit>
+Index VisitFan(const Walk& walk, absl::Span<const Index> twin, Index start, const Visit& visit) {
+  Index h = start;
+  while (true) {
+    visit(h);
+    const Index entering = walk.Prev(h);
+    h = twin[entering];
+    if (h == start) return kNoIndex;
+    if (h == kNoIndex) return entering;
+  }
 }
 
 }  // namespace limn

@@ -3,39 +3,15 @@
 #include "engine/mesh/mesh_info.h"
 
 #include <algorithm>
-#include <numeric>
 #include <string>
 #include <tuple>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "engine/base/disjoint_sets.h"
 
 namespace limn {
 namespace {
-
-// Disjoint sets with path halving.
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t size) : parent_(size) {
-    std::iota(parent_.begin(), parent_.end(), Index{0});
-  }
-  Index Find(Index i) {
-    while (parent_[i] != i) {
-      parent_[i] = parent_[parent_[i]];
-      i = parent_[i];
-    }
-    return i;
-  }
-  // The smaller number stays the set's name.
-  void Merge(Index a, Index b) {
-    a = Find(a);
-    b = Find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  Buffer<Index> parent_;
-};
 
 // Counts elements with a defect and remembers the smallest.
 class Defect {

@@ -64,7 +64,8 @@ absl::Status CheckLimit(const std::string& what, std::uint64_t value, std::uint6
   return MakeError(absl::StrCat("the mesh has ", value, " ", what, ", the limit is ", limit),
                    {.reason = Reason::kLimitExceeded,
                     .field = absl::StrCat("mesh.", what),
-                    .remedy = "Send a smaller mesh or raise the limit"});
+                    .remedy = "Send a smaller mesh or raise the limit",
+                    .limit = absl::StrCat("max-", what)});
 }
 
 absl::Status CheckSizes(const Context& context, const PolygonMesh& mesh) {
@@ -78,11 +79,68 @@ absl::Status CheckSizes(const Context& context, const PolygonMesh& mesh) {
   LIMN_RETURN_IF_ERROR(
       CheckLimit("vertices", mesh.vertex_count(),
                  std::min<std::uint64_t>(context.limits().max_vertices, kNoIndex - 1)));
-  return CheckLimit("corners", mesh.corner_count(),
-                    std::min<std::uint64_t>(context.limits().max_corners, kNoIndex - 1));
+  const std::uint64_t corners = std::min<std::uint64_t>(context.limits().max_corners, kNoIndex - 1);
+  LIMN_RETURN_IF_ERROR(CheckLimit("corners", mesh.corner_count(), corners));
+  // Only faces without corners can be more.
+  return CheckLimit("faces", mesh.face_count(), corners);
+}
+
+enum class FaceChecks { kAll, kIndicesOnly };
+
+absl::Status CheckFaces(const Context& context, const PolygonMesh& mesh, FaceChecks checks) {
+  LIMN_RETURN_IF_ERROR(CheckSizes(context, mesh));
+  const std::size_t faces = mesh.face_count();
+  const std::size_t vertices = mesh.vertex_count();
+  const bool all = checks == FaceChecks::kAll;
+  enum Kind : std::size_t { kDecreasing, kSmall, kRange, kRepeated, kKinds };
+  std::array<Finding, kKinds> found;
+  LIMN_RETURN_IF_ERROR(FindAll<kKinds>(
+      context, faces,
+      [&](std::size_t f, std::array<Finding, kKinds>* findings) {
+        const Index begin = mesh.face_begin[f];
+        const Index end = mesh.face_begin[f + 1];
+        if (end < begin || end > mesh.corner_count()) return (*findings)[kDecreasing].Add(f);
+        const absl::Span<const Index> face = mesh.face(f);
+        if (all && face.size() < 3) return (*findings)[kSmall].Add(f);
+        for (const Index v : face) {
+          if (v >= vertices) return (*findings)[kRange].Add(f);
+        }
+        if (all && HasRepeatedVertex(face)) (*findings)[kRepeated].Add(f);
+      },
+      &found));
+  if (found[kDecreasing].count > 0 || mesh.face_begin[0] != 0 ||
+      mesh.face_begin[faces] != mesh.corner_count()) {
+    return MakeError("the arities of the faces do not add up to the number of corners",
+                     {.reason = Reason::kMalformedRequest,
+                      .field = "mesh.faces",
+                      .remedy = "Send the arity of every face"});
+  }
+  const auto refuse = [&](const Finding& finding, Reason reason, const std::string& kind,
+                          const std::string& remedy) {
+    return MakeError(
+        absl::StrCat(kind, ": ", finding.count, " faces, first face ", finding.first),
+        {.reason = reason, .field = "mesh.faces", .index = finding.first, .remedy = remedy});
+  };
+  if (found[kSmall].count > 0) {
+    return refuse(found[kSmall], Reason::kFaceTooSmall, "faces with fewer than three corners",
+                  OrRepair("Remove them"));
+  }
+  if (found[kRange].count > 0) {
+    return refuse(found[kRange], Reason::kIndexOutOfRange, "vertex indices out of range",
+                  absl::StrCat("Indices must be from 0 to ", vertices - 1));
+  }
+  if (found[kRepeated].count > 0) {
+    return refuse(found[kRepeated], Reason::kRepeatedVertex, "faces that visit a vertex twice",
+                  OrRepair("Remove the repeated corners"));
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace
+
+std::string OrRepair(std::string_view remedy) {
+  return std::string(remedy).append(", or ask for repair (--repair)");
+}
 
 absl::Status ValidatePositions(const Context& context, absl::Span<const Vec3> positions,
                                BoundingBox* box) {
@@ -139,107 +197,115 @@ absl::Status ValidatePositions(const Context& context, absl::Span<const Vec3> po
                       .index = large.first,
                       .remedy = "Coordinates must be at most 1e100 in magnitude"});
   }
+  if (const double diagonal = box->diagonal(); diagonal > 0 && diagonal < kMinDiagonal) {
+    return MakeError(absl::StrCat("the mesh is too small: the diagonal of its box is ", diagonal),
+                     {.reason = Reason::kExtentTooSmall,
+                      .field = "mesh.vertices",
+                      .remedy = "Scale it: the diagonal must be at least 1e-300, or 0"});
+  }
   return absl::OkStatus();
 }
 
 absl::Status ValidateFaces(const Context& context, const PolygonMesh& mesh) {
-  LIMN_RETURN_IF_ERROR(CheckSizes(context, mesh));
-  const std::size_t faces = mesh.face_count();
-  const std::size_t vertices = mesh.vertex_count();
-  enum Kind : std::size_t { kDecreasing, kSmall, kRange, kRepeated, kKinds };
-  std::array<Finding, kKinds> found;
-  LIMN_RETURN_IF_ERROR(FindAll<kKinds>(
-      context, faces,
-      [&](std::size_t f, std::array<Finding, kKinds>* findings) {
-        const Index begin = mesh.face_begin[f];
-        const Index end = mesh.face_begin[f + 1];
-        if (end < begin || end > mesh.corner_count()) return (*findings)[kDecreasing].Add(f);
-        const absl::Span<const Index> face = mesh.face(f);
-        if (face.size() < 3) return (*findings)[kSmall].Add(f);
-        for (const Index v : face) {
-          if (v >= vertices) return (*findings)[kRange].Add(f);
-        }
-        if (HasRepeatedVertex(face)) (*findings)[kRepeated].Add(f);
-      },
-      &found));
-  if (found[kDecreasing].count > 0 || mesh.face_begin[0] != 0 ||
-      mesh.face_begin[faces] != mesh.corner_count()) {
-    return MakeError("the arities of the faces do not add up to the number of corners",
-                     {.reason = Reason::kMalformedRequest,
-                      .field = "mesh.faces",
-                      .remedy = "Send the arity of every face"});
-  }
-  const auto refuse = [&](const Finding& finding, Reason reason, const std::string& kind,
-                          const std::string& remedy) {
-    return MakeError(
-        absl::StrCat(kind, ": ", finding.count, " faces, first face ", finding.first),
-        {.reason = reason, .field = "mesh.faces", .index = finding.first, .remedy = remedy});
-  };
-  if (found[kSmall].count > 0) {
-    return refuse(found[kSmall], Reason::kFaceTooSmall, "faces with fewer than three corners",
-                  "Remove them");
-  }
-  if (found[kRange].count > 0) {
-    return refuse(found[kRange], Reason::kIndexOutOfRange, "vertex indices out of range",
-                  absl::StrCat("Indices must be from 0 to ", vertices - 1));
-  }
-  if (found[kRepeated].count > 0) {
-    return refuse(found[kRepeated], Reason::kRepeatedVertex, "faces that visit a vertex twice",
-                  "Remove the repeated corners");
-  }
-  return absl::OkStatus();
+  return CheckFaces(context, mesh, FaceChecks::kAll);
 }
 
-absl::Status DiagnoseEdges(const PolygonMesh& mesh) {
-  // Edges as (smaller vertex, larger vertex, direction, face).
-  std::vector<std::tuple<Index, Index, bool, Index>> edges;
-  edges.reserve(mesh.corner_count());
-  for (std::size_t f = 0; f < mesh.face_count(); ++f) {
-    const absl::Span<const Index> face = mesh.face(f);
-    for (std::size_t i = 0; i < face.size(); ++i) {
-      const Index a = face[i];
-      const Index b = face[(i + 1) % face.size()];
-      edges.emplace_back(std::min(a, b), std::max(a, b), a < b, static_cast<Index>(f));
+absl::Status ValidateIndices(const Context& context, const PolygonMesh& mesh) {
+  return CheckFaces(context, mesh, FaceChecks::kIndicesOnly);
+}
+
+namespace {
+
+// An edge with its first half-edge, in the order of (smaller end, larger end).
+struct FirstEdge {
+  std::uint64_t count = 0;
+  Index low = kNoIndex;
+  Index high = kNoIndex;
+  Index half_edge = kNoIndex;
+
+  void Add(const FirstEdge& other) {
+    count += other.count;
+    if (std::tie(other.low, other.high) < std::tie(low, high)) {
+      low = other.low;
+      high = other.high;
+      half_edge = other.half_edge;
     }
   }
-  std::sort(edges.begin(), edges.end());
-  Finding crowded;
-  Finding twisted;
-  std::size_t crowded_at = 0;
-  std::size_t twisted_at = 0;
-  for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
-    while (end < edges.size() && std::get<0>(edges[end]) == std::get<0>(edges[begin]) &&
-           std::get<1>(edges[end]) == std::get<1>(edges[begin])) {
-      ++end;
-    }
+  std::string Describe(Index face) const {
+    return absl::StrCat(count, " edges, first edge (", low, ", ", high, ") of face ", face);
+  }
+};
+
+struct EdgeFindings {
+  FirstEdge crowded;
+  FirstEdge twisted;
+};
+
+void DiagnoseBucket(const PolygonMesh& mesh, Index v, std::vector<EdgeUse>* uses,
+                    EdgeFindings* findings) {
+  const auto leaves_larger_end = [&](Index h) { return mesh.corner_vertex[h] != v; };
+  std::sort(uses->begin(), uses->end(), [&](const EdgeUse& a, const EdgeUse& b) {
+    const bool a_up = !leaves_larger_end(a.half_edge);
+    const bool b_up = !leaves_larger_end(b.half_edge);
+    return std::tie(a.other_end, a_up, a.half_edge) < std::tie(b.other_end, b_up, b.half_edge);
+  });
+  for (std::size_t begin = 0, end = 0; begin < uses->size(); begin = end) {
+    const EdgeUse& first = (*uses)[begin];
+    while (end < uses->size() && (*uses)[end].other_end == first.other_end) ++end;
+    const FirstEdge edge = {1, v, first.other_end, first.half_edge};
     if (end - begin > 2) {
-      if (crowded.count == 0) crowded_at = begin;
-      crowded.Add(begin);
-    } else if (end - begin == 2 && std::get<2>(edges[begin]) == std::get<2>(edges[begin + 1])) {
-      if (twisted.count == 0) twisted_at = begin;
-      twisted.Add(begin);
+      findings->crowded.Add(edge);
+    } else if (end - begin == 2 && leaves_larger_end(first.half_edge) ==
+                                       leaves_larger_end((*uses)[begin + 1].half_edge)) {
+      findings->twisted.Add(edge);
     }
   }
-  const auto describe = [&](std::size_t at) {
-    return absl::StrCat("first edge (", std::get<0>(edges[at]), ", ", std::get<1>(edges[at]),
-                        ") of face ", std::get<3>(edges[at]));
-  };
-  if (crowded.count > 0) {
-    return MakeError(absl::StrCat("non-manifold edges (more than two faces): ", crowded.count,
-                                  " edges, ", describe(crowded_at)),
-                     {.reason = Reason::kNonManifoldEdge,
-                      .field = "mesh.faces",
-                      .index = std::get<3>(edges[crowded_at]),
-                      .remedy = "Remove repeated faces and split off the surplus ones"});
+}
+
+Index FaceOf(const PolygonMesh& mesh, Index half_edge) {
+  return static_cast<Index>(
+      std::upper_bound(mesh.face_begin.begin(), mesh.face_begin.end(), half_edge) -
+      mesh.face_begin.begin() - 1);
+}
+
+}  // namespace
+
+absl::Status DiagnoseEdges(const Context& context, const PolygonMesh& mesh,
+                           const EdgeBuckets& buckets) {
+  const std::size_t vertices = mesh.vertex_count();
+  std::vector<EdgeFindings> blocks((vertices + kDefaultGrain - 1) / kDefaultGrain);
+  LIMN_RETURN_IF_ERROR(ParallelBlocks(
+      context, vertices, kDefaultGrain, [&](std::size_t block, std::size_t begin, std::size_t end) {
+        std::vector<EdgeUse> uses;
+        for (std::size_t v = begin; v < end; ++v) {
+          uses.assign(buckets.uses.begin() + buckets.begin[v],
+                      buckets.uses.begin() + buckets.begin[v + 1]);
+          DiagnoseBucket(mesh, static_cast<Index>(v), &uses, &blocks[block]);
+        }
+      }));
+  EdgeFindings found;
+  for (const EdgeFindings& block : blocks) {
+    found.crowded.Add(block.crowded);
+    found.twisted.Add(block.twisted);
   }
-  if (twisted.count > 0) {
+  if (found.crowded.count > 0) {
+    const Index face = FaceOf(mesh, found.crowded.half_edge);
+    return MakeError(
+        absl::StrCat("non-manifold edges (more than two faces): ", found.crowded.Describe(face)),
+        {.reason = Reason::kNonManifoldEdge,
+         .field = "mesh.faces",
+         .index = face,
+         .remedy = OrRepair("Remove repeated faces and split off the surplus ones")});
+  }
+  if (found.twisted.count > 0) {
+    const Index face = FaceOf(mesh, found.twisted.half_edge);
     return MakeError(absl::StrCat("inconsistent orientation (two faces walk an edge in the same "
                                   "direction): ",
-                                  twisted.count, " edges, ", describe(twisted_at)),
+                                  found.twisted.Describe(face)),
                      {.reason = Reason::kInconsistentOrientation,
                       .field = "mesh.faces",
-                      .index = std::get<3>(edges[twisted_at]),
-                      .remedy = "Turn faces so that neighbours agree"});
+                      .index = face,
+                      .remedy = OrRepair("Turn faces so that neighbours agree")});
   }
   return absl::OkStatus();
 }

@@ -59,6 +59,44 @@ absl::StatusOr<BoundaryCurve> FindBoundary(const Context& context, const HalfEdg
   return curve;
 }
 
+absl::Status PlaceBoundary(const Context& context, const BoundaryPlacement& placement,
+                           BoundaryCurve* curve, double* residual) {
+  const std::size_t size = curve->size();
+  curve->centre.resize(size);
+  curve->start.resize(size);
+  curve->end.resize(size);
+  LIMN_RETURN_IF_ERROR(ParallelFor(context, size, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Vec3& from = placement.control[i];
+      const Vec3& to = placement.control[curve->next[i]];
+      curve->start[i] = 0.75 * from + 0.25 * to;
+      curve->end[i] = 0.25 * from + 0.75 * to;
+    }
+  }));
+  return ParallelMax(
+      context, size, 0,
+      [&](std::size_t begin, std::size_t end) {
+        double largest = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+          Vec3& out = curve->start[i];
+          Vec3& in = curve->end[curve->previous[i]];
+          const Vec3 mean = 0.5 * (out + in);
+          curve->centre[i] = mean;
+          const bool corner =
+              placement.mesh.valence(placement.mesh.vertex()[curve->half_edge[i]]) == 1;
+          if (!corner && placement.interpolated[i] == 0) continue;
+          curve->centre[i] = placement.points[i];
+          if (corner) continue;
+          largest = std::max(largest, MaxAbs(placement.points[i] - mean));
+          const Vec3 d = 0.5 * (out - in);
+          out = placement.points[i] + d;
+          in = placement.points[i] - d;
+        }
+        return largest;
+      },
+      residual);
+}
+
 void GatherBoundaryFace(const HalfEdgeMesh& mesh, const BoundaryCurve& curve, const Vec3* corners,
                         Index i, BoundaryFace* face) {
   face->corner.clear();

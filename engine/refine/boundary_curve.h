@@ -21,6 +21,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -62,6 +63,25 @@ struct BoundaryCurve {
 // half-edges. Same result for any number of threads.
 [[nodiscard]] absl::StatusOr<BoundaryCurve> FindBoundary(const Context& context,
                                                          const HalfEdgeMesh& mesh);
+
+// What the curve of M^1 is placed by. Vertices are numbered along the curve: vertex i is the one
+// that boundary half-edge i leaves.
+struct BoundaryPlacement {
+  // T^0.
+  const HalfEdgeMesh& mesh;
+  // Given points and control points, in the model's frame.
+  absl::Span<const Vec3> points;
+  absl::Span<const Vec3> control;
+  // Whether the curve shall pass through the given point. Corners always do.
+  absl::Span<const std::uint8_t> interpolated;
+};
+
+// Sets centre, start and end of a curve from FindBoundary: B = (3 V + V_other) / 4, then moved by
+// the mean error of the two B around each interpolated vertex, so that it is met exactly.
+// *residual: the largest coordinate of that error. Errors: CANCELLED, DEADLINE_EXCEEDED. Cost:
+// linear in the curve.
+[[nodiscard]] absl::Status PlaceBoundary(const Context& context, const BoundaryPlacement& placement,
+                                         BoundaryCurve* curve, double* residual);
 
 // A type-V face of M^k at a boundary vertex, relative to the curve's origin.
 struct BoundaryFace {

@@ -7,6 +7,8 @@
 //   type F: the corners of a face of T^(k-1), in order;
 //   type E: of an edge with half-edges h and t = twin(h), counter-clockwise: next h, h, next t, t;
 //   type V: the fan of corners around a vertex, counter-clockwise.
+// At a boundary of T^(k-1), ghosts complete the faces of type E and V; see
+// engine/refine/boundary_curve.h. They follow from the corners and the curve, so they are not kept.
 // So T^k has one vertex per face of M^k (its centroid lies on the limit surface) and one quad per
 // vertex of M^k, and no connectivity but that of T is ever built.
 #pragma once
@@ -21,18 +23,20 @@
 #include "engine/base/context.h"
 #include "engine/base/vec3.h"
 #include "engine/mesh/half_edge_mesh.h"
+#include "engine/refine/boundary_curve.h"
+#include "engine/refine/doo_sabin_rule.h"
 
 namespace limn {
 
-// First refinement with [ZC Eq. 4]: corner h of T^0 gets (V + centroid of its face) / 2.
-// control: one point per vertex; corners: one per half-edge. Errors: CANCELLED,
-// DEADLINE_EXCEEDED. Cost: one pass over corners. Thread-safe.
+// First refinement of every face by the rule. control: one point per vertex; corners: one per
+// half-edge. Errors: CANCELLED, DEADLINE_EXCEEDED. Cost: one pass over corners. Thread-safe.
 [[nodiscard]] absl::Status FirstRefinement(const Context& context, const HalfEdgeMesh& mesh,
-                                           absl::Span<const Vec3> control,
-                                           absl::Span<Vec3> corners);
+                                           absl::Span<const Vec3> control, absl::Span<Vec3> corners,
+                                           FirstRule rule = FirstRule::kModified);
 
 // The faces of M^k, k >= 2, that are not quads. Their number is the same at every level, and so
-// are their fans but for a factor of 4.
+// are their fans but for a factor of 4. Without those of boundary vertices, which are gathered
+// anew.
 struct ExtraordinaryFans {
   // Vertices of T^1 with a valence other than 4.
   std::vector<Index> vertex;
@@ -48,12 +52,17 @@ struct ExtraordinaryFans {
 // M^k -> M^(k+1) by [ZC Eq. 1].
 // mesh: T^(k-1), k >= 1. fans: of T^0, looked at when k >= 2. corners: points of M^k, one per
 // half-edge of `mesh`. refined: points of M^(k+1), one per half-edge of T^k, that is 4 per
-// half-edge of `mesh`; must not overlap corners. Errors: CANCELLED, DEADLINE_EXCEEDED. Cost: one
+// half-edge of `mesh`; must not overlap corners. boundary: of M^k; its own refinement is
+// RefineBoundary's. Errors: CANCELLED, DEADLINE_EXCEEDED. Cost: one
 // pass over the refined points. Same bits for any number of threads. Thread-safe.
 struct DooSabinLevel {
   const HalfEdgeMesh& mesh;
   const ExtraordinaryFans& fans;
   std::uint32_t k = 1;
+  // Null or empty for closed meshes.
+  const BoundaryCurve* boundary = nullptr;
+
+  bool open() const { return boundary != nullptr && !boundary->empty(); }
 };
 [[nodiscard]] absl::Status RefineDooSabin(const Context& context, const DooSabinLevel& level,
                                           absl::Span<const Vec3> corners, absl::Span<Vec3> refined);

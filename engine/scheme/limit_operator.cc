@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "engine/scheme/limit_operator.h"
 
+#include <algorithm>
 #include <utility>
+
+#include "engine/refine/doo_sabin_rule.h"
 
 namespace limn {
 
@@ -10,17 +13,17 @@ absl::StatusOr<LimitOperator> LimitOperator::Make(const Context& context, const 
   LimitOperator result;
   result.stencil_ = {.rows = stencil.rows,
                      .row_of = {},
+                     .face_rule = stencil.face_rule,
                      .spectrum_low = stencil.spectrum_low,
                      .spectrum_high = stencil.spectrum_high};
   LIMN_ASSIGN_OR_RETURN(result.faces_, GatherPlan::Make(context, mesh.face_begin(), {}, 1));
   LIMN_ASSIGN_OR_RETURN(result.vertices_, GatherPlan::Make(context, mesh.fan_begin(),
                                                            stencil.row_of, stencil.rows.size()));
   const absl::Span<const Index> vertex_slot = result.vertices_.slot_of_row();
-  const absl::Span<const Index> face_slot = result.faces_.slot_of_row();
+  result.corner_count_ = mesh.half_edge_count();
   LIMN_RETURN_IF_ERROR(result.faces_.Fill(context, mesh.face_begin(),
                                           [&](Index h) { return vertex_slot[mesh.vertex()[h]]; }));
-  LIMN_RETURN_IF_ERROR(result.vertices_.Fill(
-      context, mesh.fan_begin(), [&](Index i) { return face_slot[mesh.face()[mesh.fan()[i]]]; }));
+  LIMN_RETURN_IF_ERROR(result.FillVertices(context, mesh));
   if (!stencil.uses_edges()) return result;
   result.neighbours_.resize(mesh.half_edge_count());
   const PolygonWalk walk(mesh);
@@ -34,6 +37,26 @@ absl::StatusOr<LimitOperator> LimitOperator::Make(const Context& context, const 
     }
   }));
   return result;
+}
+
+// The face values that each vertex adds up.
+absl::Status LimitOperator::FillVertices(const Context& context, const HalfEdgeMesh& mesh) {
+  const absl::Span<const Index> fan = mesh.fan();
+  if (stencil_.face_rule == FaceRule::kCentroid) {
+    const absl::Span<const Index> slot = faces_.slot_of_row();
+    return vertices_.Fill(context, mesh.fan_begin(),
+                          [&](Index i) { return slot[mesh.face()[fan[i]]]; });
+  }
+  // The values of a face stand where its vertices' indices do.
+  Buffer<Index> place(mesh.half_edge_count());
+  LIMN_RETURN_IF_ERROR(faces_.ForEachRun(context, [&](const GatherPlan::Run& run) {
+    Index item = run.item;
+    for (Index slot = run.begin; slot < run.end; ++slot) {
+      const Index first = mesh.face_begin()[faces_.row_of_slot()[slot]];
+      for (Index j = 0; j < run.length; ++j) place[first + j] = item++;
+    }
+  }));
+  return vertices_.Fill(context, mesh.fan_begin(), [&](Index i) { return place[fan[i]]; });
 }
 
 absl::Status LimitOperator::ToSlots(const Context& context, absl::Span<const Vec3> points,
@@ -52,27 +75,47 @@ absl::Status LimitOperator::FromSlots(const Context& context, absl::Span<const V
   });
 }
 
-absl::Status LimitOperator::FaceCentroids(const Context& context, absl::Span<const Vec3> points,
-                                          absl::Span<Vec3> centroids) const {
+absl::Status LimitOperator::FaceValues(const Context& context, absl::Span<const Vec3> points,
+                                       absl::Span<Vec3> values) const {
+  if (stencil_.face_rule == FaceRule::kDooSabinImage) {
+    return faces_.ForEachRun(context, [&](const GatherPlan::Run& run) {
+      const Index* item = faces_.items(run);
+      Vec3* out = values.data() + run.item;
+      for (Index slot = run.begin; slot < run.end; ++slot) {
+        FaceImages(
+            run.length, [&](std::size_t j) { return points[item[j]]; },
+            [&](std::size_t j, const Vec3& image) { out[j] = image; });
+        item += run.length;
+        out += run.length;
+      }
+    });
+  }
   return faces_.ForEachRun(context, [&](const GatherPlan::Run& run) {
     const double scale = 1.0 / run.length;
-    Vec3* const out = centroids.data();
+    Vec3* const out = values.data();
     faces_.VisitSums(run, points.data(),
                      [=](Index slot, const Vec3& sum) { out[slot] = scale * sum; });
   });
 }
 
 absl::Status LimitOperator::Diagonal(const Context& context, absl::Span<double> diagonal) const {
-  Buffer<double> inverse_arity(face_count());
+  // Of each face value, the part that the vertex's own point has in it.
+  Buffer<double> own(face_value_count());
   LIMN_RETURN_IF_ERROR(faces_.ForEachRun(context, [&](const GatherPlan::Run& run) {
-    for (Index slot = run.begin; slot < run.end; ++slot) inverse_arity[slot] = 1.0 / run.length;
+    if (stencil_.face_rule == FaceRule::kCentroid) {
+      for (Index slot = run.begin; slot < run.end; ++slot) own[slot] = 1.0 / run.length;
+      return;
+    }
+    const auto first = own.begin() + run.item;
+    std::fill(first, first + std::ptrdiff_t{run.end - run.begin} * run.length,
+              OwnWeight(run.length));
   }));
   return vertices_.ForEachRun(context, [&](const GatherPlan::Run& run) {
     const LimitRow& row = stencil_.rows[run.kind];
-    const Index* face = vertices_.items(run);
-    for (Index slot = run.begin; slot < run.end; ++slot, face += run.length) {
+    const Index* value = vertices_.items(run);
+    for (Index slot = run.begin; slot < run.end; ++slot, value += run.length) {
       double sum = 0;
-      for (Index j = 0; j < run.length; ++j) sum += inverse_arity[face[j]];
+      for (Index j = 0; j < run.length; ++j) sum += own[value[j]];
       diagonal[slot] = row.vertex + row.faces * sum / run.length;
     }
   });

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The operator L of a limit stencil on a mesh, matrix-free: gather face centroids, then gather per
-// vertex. Points and centroids are kept in an order of the operator's own ("slots") in which both
-// gathers run fast; see GatherPlan.
+// The operator L of a limit stencil on a mesh, matrix-free: gather what each face hands to its
+// vertices, then gather per vertex. Points and face values are kept in an order of the operator's
+// own ("slots") in which both gathers run fast; see GatherPlan.
 #pragma once
 
 #include <cstddef>
@@ -29,6 +29,10 @@ class LimitOperator {
 
   std::size_t vertex_count() const { return vertices_.size(); }
   std::size_t face_count() const { return faces_.size(); }
+  // Values that faces hand out: one per face, or one per corner.
+  std::size_t face_value_count() const {
+    return stencil_.face_rule == FaceRule::kCentroid ? faces_.size() : corner_count_;
+  }
   double spectrum_low() const { return stencil_.spectrum_low; }
   double spectrum_high() const { return stencil_.spectrum_high; }
   // Whether limit points see neighbours' points directly, not through centroids only.
@@ -40,16 +44,16 @@ class LimitOperator {
   [[nodiscard]] absl::Status FromSlots(const Context& context, absl::Span<const Vec3> slots,
                                        absl::Span<Vec3> points) const;
 
-  // centroids: mean of the points of each face's corners. points: one per vertex, in slots;
-  // centroids: one per face, in slots. Cost: one pass over corners.
-  [[nodiscard]] absl::Status FaceCentroids(const Context& context, absl::Span<const Vec3> points,
-                                           absl::Span<Vec3> centroids) const;
+  // What the faces hand to their vertices. points: one per vertex, in slots; values:
+  // face_value_count(), in the operator's order. Cost: one pass over corners.
+  [[nodiscard]] absl::Status FaceValues(const Context& context, absl::Span<const Vec3> points,
+                                        absl::Span<Vec3> values) const;
 
-  // Calls visit(slot, limit point) for every vertex, given points and their centroids, all in
-  // slots. *largest becomes the largest value that visit returned, and at least 0.
+  // Calls visit(slot, limit point) for every vertex, given points and their face values. *largest
+  // becomes the largest value that visit returned, and at least 0.
   template <class Visit>
   [[nodiscard]] absl::Status VisitLimits(const Context& context, const Vec3* points,
-                                         const Vec3* centroids, const Visit& visit,
+                                         const Vec3* values, const Visit& visit,
                                          double* largest) const {
     return vertices_.MaxOverRuns(
         context,
@@ -58,14 +62,14 @@ class LimitOperator {
           const LimitRow row = stencil_.rows[run.kind];
           const double faces = row.faces / run.length;
           if (row.edges == 0) {
-            vertices_.VisitSums(run, centroids, [&](Index slot, const Vec3& sum) {
+            vertices_.VisitSums(run, values, [&](Index slot, const Vec3& sum) {
               most = std::max(most, visit(slot, row.vertex * points[slot] + faces * sum));
             });
             return most;
           }
           // Interior vertices: as many edges as faces.
           const double edges = row.edges / run.length;
-          vertices_.VisitSums(run, centroids, [&](Index slot, const Vec3& sum) {
+          vertices_.VisitSums(run, values, [&](Index slot, const Vec3& sum) {
             const Index* neighbour =
                 neighbours_.data() + run.item + (slot - run.begin) * run.length;
             Vec3 around = points[neighbour[0]];
@@ -83,14 +87,15 @@ class LimitOperator {
 
  private:
   LimitOperator() = default;
+  [[nodiscard]] absl::Status FillVertices(const Context& context, const HalfEdgeMesh& mesh);
 
   LimitStencil stencil_;
+  std::size_t corner_count_ = 0;
   GatherPlan faces_;
   GatherPlan vertices_;
   // Neighbour along each half-edge of the fans, at the places of the vertices' indices. Empty when
   // the stencil does not use edges.
   Buffer<Index> neighbours_;
-  Buffer<double> inverse_arity_;
 };
 
 }  // namespace limn

@@ -22,11 +22,14 @@ class GaussSeidel {
 
   // Solves each vertex's equation once, with the newest values of the others. *largest: largest
   // move of a coordinate. Serial. Errors: CANCELLED and DEADLINE_EXCEEDED, seen every
-  // kDefaultGrain vertices. Cost: two passes over corners.
+  // kDefaultGrain vertices. Cost: two passes over corners; with FaceRule::kDooSabinImage as many
+  // as the mean arity.
   [[nodiscard]] absl::Status Sweep(const Context& context, double* largest);
 
  private:
   Vec3 LimitPoint(std::size_t v) const;
+  // Of corner h, in its face.
+  Vec3 Image(Index h) const;
   // The weight of v's own point in its limit point.
   double Diagonal(std::size_t v) const;
   double InverseArity(Index face) const;

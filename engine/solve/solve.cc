@@ -29,11 +29,11 @@ class Sweeper {
         limit_(limit),
         points_(limit.vertex_count()),
         x_(limit.vertex_count()),
-        centroids_(limit.face_count()) {}
+        values_(limit.face_value_count()) {}
 
   absl::Status Start(absl::Span<const Vec3> points) {
     step_.resize(x_.size());
-    // Rows without neighbours' points see x through the centroids only, so x can change in place.
+    // Rows without neighbours' points see x through the face values only, so x can change in place.
     if (limit_.uses_edges()) next_.resize(x_.size());
     LIMN_RETURN_IF_ERROR(limit_.ToSlots(context_, points, absl::MakeSpan(points_)));
     return ParallelFor(context_, x_.size(), [&](std::size_t begin, std::size_t end) {
@@ -52,29 +52,35 @@ class Sweeper {
     });
   }
 
-  // *largest: largest move of a coordinate.
+  // *largest: largest move of a coordinate; without weights also the largest residual before it.
   absl::Status Sweep(const SweepFactors& factors, double* largest) {
-    LIMN_RETURN_IF_ERROR(limit_.FaceCentroids(context_, x_, absl::MakeSpan(centroids_)));
+    LIMN_RETURN_IF_ERROR(limit_.FaceValues(context_, x_, absl::MakeSpan(values_)));
     Vec3* const out = next_.empty() ? x_.data() : next_.data();
     const Vec3* const x = x_.data();
     const Vec3* const points = points_.data();
     Vec3* const steps = step_.data();
-    const auto update = [=](Index slot, const Vec3& limit, double gain) {
-      const Vec3 step = factors.momentum * steps[slot] + gain * (points[slot] - limit);
+    const auto update = [=](Index slot, const Vec3& residual, double gain) {
+      const Vec3 step = factors.momentum * steps[slot] + gain * residual;
       steps[slot] = step;
       out[slot] = x[slot] + step;
-      return MaxAbs(step);
+      return step;
     };
     if (weights_.empty()) {
       LIMN_RETURN_IF_ERROR(limit_.VisitLimits(
-          context_, x, centroids_.data(),
-          [=](Index slot, const Vec3& limit) { return update(slot, limit, factors.gain); },
+          context_, x, values_.data(),
+          [=](Index slot, const Vec3& limit) {
+            const Vec3 residual = points[slot] - limit;
+            // Chebyshev's moves can vanish by accident, at a zero of its polynomial.
+            return std::max(MaxAbs(update(slot, residual, factors.gain)), MaxAbs(residual));
+          },
           largest));
     } else {
       const double* const weights = weights_.data();
       LIMN_RETURN_IF_ERROR(limit_.VisitLimits(
-          context_, x, centroids_.data(),
-          [=](Index slot, const Vec3& limit) { return update(slot, limit, weights[slot]); },
+          context_, x, values_.data(),
+          [=](Index slot, const Vec3& limit) {
+            return MaxAbs(update(slot, points[slot] - limit, weights[slot]));
+          },
           largest));
     }
     if (!next_.empty()) x_.swap(next_);
@@ -83,9 +89,9 @@ class Sweeper {
 
   // Largest coordinate of I - L x, from x alone.
   absl::Status TrueResidual(double* largest) {
-    LIMN_RETURN_IF_ERROR(limit_.FaceCentroids(context_, x_, absl::MakeSpan(centroids_)));
+    LIMN_RETURN_IF_ERROR(limit_.FaceValues(context_, x_, absl::MakeSpan(values_)));
     return limit_.VisitLimits(
-        context_, x_.data(), centroids_.data(),
+        context_, x_.data(), values_.data(),
         [&](Index slot, const Vec3& limit) { return MaxAbs(points_[slot] - limit); }, largest);
   }
 
@@ -99,7 +105,7 @@ class Sweeper {
   const LimitOperator& limit_;
   Buffer<Vec3> points_;
   Buffer<Vec3> x_;
-  Buffer<Vec3> centroids_;
+  Buffer<Vec3> values_;
   Buffer<Vec3> step_;
   Buffer<Vec3> next_;
   // Inverse diagonal of L, for Jacobi.
@@ -132,6 +138,9 @@ class ChebyshevFactors {
   bool first_ = true;
 };
 
+// Moves this far, in diagonals of the bounding box, never come back.
+constexpr double kDiverged = 1e6;
+
 // Sweeps until the largest move is small enough [ZC section 3.4, step 2].
 template <class SweepFunction>
 absl::Status Iterate(const Context& context, double scale, const SolveOptions& options,
@@ -142,6 +151,13 @@ absl::Status Iterate(const Context& context, double scale, const SolveOptions& o
     ++report->sweeps;
     report->last_update = largest / scale;
     report->converged = report->last_update <= options.tolerance;
+    if (!(report->last_update <= kDiverged)) {
+      return MakeError(absl::StrCat("the iteration diverges: sweep ", report->sweeps,
+                                    " moves a vertex by ", report->last_update, " diagonals"),
+                       {.reason = Reason::kInvalidOption,
+                        .field = "solve.method",
+                        .remedy = "Use Chebyshev, which converges on every mesh"});
+    }
     context.Report({.stage = "solve",
                     .fraction = static_cast<double>(report->sweeps) / options.max_sweeps,
                     .sweep = report->sweeps,
@@ -159,12 +175,11 @@ absl::Status ValidateSolveOptions(const SolveOptions& options) {
                       .field = "solve.tolerance",
                       .remedy = "It must be at least 0 and below 1"});
   }
-  constexpr std::uint32_t kMostSweeps = 10000;
-  if (options.max_sweeps > kMostSweeps) {
+  if (options.max_sweeps > kMaxSweeps) {
     return MakeError(absl::StrCat("the solve's largest number of sweeps is ", options.max_sweeps),
                      {.reason = Reason::kInvalidOption,
                       .field = "solve.max_sweeps",
-                      .remedy = absl::StrCat("It must be at most ", kMostSweeps)});
+                      .remedy = absl::StrCat("It must be at most ", kMaxSweeps)});
   }
   return absl::OkStatus();
 }

@@ -17,20 +17,31 @@
 namespace limn {
 
 enum class SolveMethod {
-  // Chebyshev semi-iteration with the stencil's proven spectral bounds. No dot products.
+  // Chebyshev semi-iteration with the stencil's proven spectral bounds. No dot products. After k
+  // sweeps the error is at most 1 / T_k((high + low) / (high - low)) of the start's in the norm
+  // weighted with valences, on every mesh: for the modified rule 2e-13 after 17 sweeps. In the
+  // maximum norm, which stops it, the two differ by at most sqrt(sum of valences / least valence);
+  // meshes of ordinary connectivity do not show it (at most 18 sweeps to 1e-12), some of very high
+  // genus take one or two more.
   kChebyshev,
-  // Each vertex solves its own equation with the values of the sweep before [ZC Eq. 7].
+  // Each vertex solves its own equation with the values of the sweep before [ZC Eq. 7]. Converges
+  // for the modified rule; for the standard one it may diverge where faces have six or more
+  // corners.
   kJacobi,
   // The same with the newest values, in vertex order. Serial by nature.
   kGaussSeidel,
 };
 
+// Largest max_sweeps.
+inline constexpr std::uint32_t kMaxSweeps = 10'000;
+
 struct SolveOptions {
   SolveMethod method = SolveMethod::kChebyshev;
   // [ZC]'s EPS: stop when the largest move of a vertex in a sweep (maximum norm) is at most this
-  // part of the bounding box's diagonal. In [0, 1). 0 runs max_sweeps.
+  // part of the bounding box's diagonal. Chebyshev asks it of the residual before the sweep too. In
+  // [0, 1). 0 runs max_sweeps.
   double tolerance = 1e-12;
-  // [ZC]'s ITE_MAX, 0 to 10,000. 0 leaves the given points as control points.
+  // [ZC]'s ITE_MAX, 0 to kMaxSweeps. 0 leaves the given points as control points.
   std::uint32_t max_sweeps = 100;
 };
 
@@ -42,7 +53,8 @@ struct SolveReport {
   std::uint32_t sweeps = 0;
   // Whether the tolerance was met within max_sweeps.
   bool converged = false;
-  // Largest move of the last sweep over the bounding box's diagonal.
+  // Largest move of the last sweep (Chebyshev: or residual before it) over the bounding box's
+  // diagonal.
   double last_update = 0;
   // Largest coordinate of |I - L X|, computed anew from X, over the bounding box's diagonal.
   double residual = 0;
@@ -62,9 +74,10 @@ struct SolveProblem {
 
 // Solves for X, starting from X = I. solution: one point per vertex, apart from problem.points.
 //
-// Not meeting the tolerance is no error: see SolveReport::converged. Errors: INVALID_OPTION;
-// CANCELLED and DEADLINE_EXCEEDED, seen in every chunk of every sweep (Gauss-Seidel: every
-// kDefaultGrain vertices); `solution` is then undefined. Progress: stage "solve", after each sweep.
+// Not meeting the tolerance is no error: see SolveReport::converged. Errors: INVALID_OPTION, also
+// for an iteration that diverges; CANCELLED and DEADLINE_EXCEEDED, seen in every chunk of every
+// sweep (Gauss-Seidel: every kDefaultGrain vertices); `solution` is then undefined. Progress: stage
+// "solve", after each sweep.
 //
 // Cost: sweeps + 1 passes over corners; memory of one point per face, three per vertex and two
 // indices per corner.

@@ -8,7 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
-#include "proto/wire/guard.h"
+#include "engine/base/guard.h"
 
 namespace limn::wire {
 namespace {
@@ -73,6 +73,11 @@ absl::Status ChunkAssembler::Add(const v1::MeshChunk& chunk) {
                     "Set `last` on the chunk that completes byte_count, and on no other");
   }
   LIMN_RETURN_IF_ERROR(Guarded("receiving the mesh", Reason::kInternal, [&] {
+    // At the end there is no more room than bytes were announced.
+    if (received > bytes_.capacity()) {
+      bytes_.reserve(
+          std::min(expected_bytes_, std::max<std::uint64_t>(received, 2 * bytes_.size())));
+    }
     bytes_.append(data);
     return absl::OkStatus();
   }));

@@ -185,7 +185,8 @@ absl::StatusOr<DracoOutput> DecodeDraco(std::string_view bytes, const DracoBound
                                   bounds.max_vertices, " are allowed"),
                      {.reason = Reason::kLimitExceeded,
                       .field = "mesh.vertices",
-                      .remedy = "Send a smaller mesh, or check the counts of the header"});
+                      .remedy = "Send a smaller mesh, or check the counts of the header",
+                      .limit = "max-vertices"});
   }
   DracoOutput out;
   LIMN_RETURN_IF_ERROR(FillVertices(*mesh, numbering, bounds.want_normals, &out));

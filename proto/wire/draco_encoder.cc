@@ -228,11 +228,11 @@ absl::StatusOr<std::string> EncodeDracoLossless(const DracoInput& input) {
   return Encode(&encoder, draco::MESH_SEQUENTIAL_ENCODING);
 }
 
-absl::StatusOr<std::string> EncodeDracoQuantized(const DracoInput& input,
+absl::StatusOr<std::string> EncodeDracoQuantized(const Context& context, const DracoInput& input,
                                                  const QuantizationGrid& grid, int bits) {
   LIMN_RETURN_IF_ERROR(CheckSizes(input));
   LIMN_RETURN_IF_ERROR(CheckAllUsed(input.faces));
-  LIMN_ASSIGN_OR_RETURN(MarkedTriangles triangles, TriangulateMarked(input.faces));
+  LIMN_ASSIGN_OR_RETURN(MarkedTriangles triangles, TriangulateMarked(context, input.faces));
   const bool marked = !triangles.added.empty();
   MarkedPoints points;
   if (marked) points = SplitByMark(triangles, input.positions.size());
@@ -258,6 +258,7 @@ absl::StatusOr<std::string> EncodeDracoQuantized(const DracoInput& input,
     builder.Name(added, kAddedEdgesName);
     builder.Map(added, [&](std::uint32_t point) { return points.mark[point]; });
   }
+  LIMN_RETURN_IF_ERROR(context.Check());
   draco::ExpertEncoder encoder(builder.mesh());
   encoder.Reset(options);
   return Encode(&encoder, draco::MESH_EDGEBREAKER_ENCODING);

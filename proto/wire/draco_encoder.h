@@ -8,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/types/span.h"
+#include "engine/base/context.h"
 #include "engine/base/vec3.h"
 #include "proto/wire/quantization_grid.h"
 #include "proto/wire/triangulation.h"
@@ -35,8 +36,11 @@ struct DracoInput {
 
 // Edgebreaker, positions on the grid, original ids always written. Errors: those of
 // TriangulateMarked; ISOLATED_VERTEX (field "vertices") for a vertex that no face uses, which
-// edgebreaker does not keep; LIMIT_EXCEEDED; INTERNAL. Exceptions are the caller's. Cost: linear.
-[[nodiscard]] absl::StatusOr<std::string> EncodeDracoQuantized(const DracoInput& input,
+// edgebreaker does not keep; LIMIT_EXCEEDED; INTERNAL; CANCELLED and DEADLINE_EXCEEDED, seen before
+// Draco runs, not by Draco. Exceptions are the caller's. Cost: linear, apart from the search of
+// TriangulateMarked.
+[[nodiscard]] absl::StatusOr<std::string> EncodeDracoQuantized(const Context& context,
+                                                               const DracoInput& input,
                                                                const QuantizationGrid& grid,
                                                                int bits);
 

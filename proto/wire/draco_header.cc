@@ -188,20 +188,23 @@ absl::StatusOr<DracoHeader> ReadDracoHeader(std::string_view bytes) {
   return header;
 }
 
-// Corner table, symbols and mesh: about 100 bytes per triangle; an attribute's connectivity
-// another 40; up to kMaxDracoAttributes attributes of 4 doubles and 4 integers per value.
+// Triangles, corners' values and polygons: about 70 bytes per triangle; with edgebreaker's tables
+// 100, and an attribute's connectivity another 40. A vertex's values and those made of them.
 std::uint64_t DracoDecodeBytes(const DracoHeader& header) {
-  return header.triangles * (100 + 40 * std::uint64_t{header.attribute_connectivities}) +
-         header.vertices * 100;
+  const std::uint64_t per_triangle =
+      header.edgebreaker ? 100 + 40 * std::uint64_t{header.attribute_connectivities} : 70;
+  return header.triangles * per_triangle + header.vertices * (kMaxDracoValueBytes + 32);
 }
 
 absl::Status CheckDracoHeader(const DracoHeader& header, const DracoBounds& bounds) {
-  const auto too_large = [](const char* field, std::uint64_t value, std::uint64_t limit) {
+  const auto too_large = [](const char* field, std::uint64_t value, std::uint64_t limit,
+                            const char* limit_name) {
     return MakeError(
         absl::StrCat("the Draco mesh needs ", value, " ", field, "; ", limit, " are allowed"),
         {.reason = Reason::kLimitExceeded,
          .field = absl::StrCat("mesh.", field),
-         .remedy = "Send a smaller mesh, or check the counts of the header"});
+         .remedy = "Send a smaller mesh, or check the counts of the header",
+         .limit = limit_name});
   };
   if (header.triangles > bounds.max_triangles) {
     if (bounds.triangles_claimed) {
@@ -209,10 +212,10 @@ absl::Status CheckDracoHeader(const DracoHeader& header, const DracoBounds& boun
                                     " triangles; its header's counts make ", bounds.max_triangles),
                        "Set the header's counts to those of the mesh");
     }
-    return too_large("triangles", header.triangles, bounds.max_triangles);
+    return too_large("triangles", header.triangles, bounds.max_triangles, "max-corners");
   }
   if (const std::uint64_t bytes = DracoDecodeBytes(header); bytes > bounds.max_bytes) {
-    return too_large("bytes", bytes, bounds.max_bytes);
+    return too_large("bytes", bytes, bounds.max_bytes, "max-job-bytes");
   }
   return absl::OkStatus();
 }

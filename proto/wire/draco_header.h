@@ -39,6 +39,10 @@ struct DracoBounds {
 inline constexpr int kMaxDracoAttributes = 8;
 // Components of an attribute at the most.
 inline constexpr int kMaxDracoComponents = 4;
+// Bytes of a value of all attributes together, each component counted with the 4 bytes of the
+// integer that may stand for it: positions of doubles, normals, texture coordinates and colours
+// fit.
+inline constexpr int kMaxDracoValueBytes = 128;
 
 struct DracoHeader {
   bool edgebreaker = false;

@@ -21,9 +21,13 @@ absl::Status Malformed(const std::string& message) {
 // Draco allocates an attribute's values when it comes to them; by then all descriptors are known.
 bool AttributesAreAllowed(const draco::PointCloud& mesh) {
   if (mesh.num_attributes() > kMaxDracoAttributes) return false;
+  int value_bytes = 0;
   for (int i = 0; i < mesh.num_attributes(); ++i) {
-    if (mesh.attribute(i)->num_components() > kMaxDracoComponents) return false;
+    const int components = mesh.attribute(i)->num_components();
+    if (components > kMaxDracoComponents) return false;
+    value_bytes += components * (draco::DataTypeLength(mesh.attribute(i)->data_type()) + 4);
   }
+  if (value_bytes > kMaxDracoValueBytes) return false;
   const draco::PointAttribute* position =
       mesh.GetNamedAttribute(draco::GeometryAttribute::POSITION);
   return position != nullptr && position->num_components() == 3 &&

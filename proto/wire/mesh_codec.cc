@@ -7,9 +7,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
+#include "engine/base/guard.h"
 #include "proto/wire/draco_decoder.h"
 #include "proto/wire/draco_encoder.h"
-#include "proto/wire/guard.h"
 #include "proto/wire/packed_mesh.h"
 #include "proto/wire/polygon_check.h"
 
@@ -53,7 +53,7 @@ absl::StatusOr<std::string> EncodeBytes(const Context& context, const PolygonMes
                             .positions = mesh.positions};
   if (encoding == v1::MESH_ENCODING_DRACO) return EncodeDracoLossless(input);
   LIMN_ASSIGN_OR_RETURN(const QuantizationGrid grid, FitGrid(context, mesh.positions, {}));
-  return EncodeDracoQuantized(input, grid, options.quantization_bits);
+  return EncodeDracoQuantized(context, input, grid, options.quantization_bits);
 }
 
 // A claim of the header and what it is held against.
@@ -61,6 +61,8 @@ struct Claim {
   const char* field;
   std::uint64_t value;
   std::uint64_t limit;
+  // The limit's name, when it is one.
+  const char* limit_name = "";
 };
 
 absl::Status TooLarge(const Claim& claim) {
@@ -68,7 +70,8 @@ absl::Status TooLarge(const Claim& claim) {
                                 " is the limit"),
                    {.reason = Reason::kLimitExceeded,
                     .field = absl::StrCat("mesh.", claim.field),
-                    .remedy = "Send a smaller mesh, or raise the server's limit"});
+                    .remedy = "Send a smaller mesh, or raise the server's limit",
+                    .limit = claim.limit_name});
 }
 
 absl::Status BadHeader(const char* field, const std::string& message, const std::string& remedy) {
@@ -77,7 +80,7 @@ absl::Status BadHeader(const char* field, const std::string& message, const std:
                              .remedy = remedy});
 }
 
-absl::Status CheckCounts(const v1::MeshHeader& header, bool draco) {
+absl::Status CheckCounts(const v1::MeshHeader& header, bool draco, bool any_arity) {
   const std::pair<const char*, std::uint64_t> claims[] = {{"vertex_count", header.vertex_count()},
                                                           {"face_count", header.face_count()},
                                                           {"corner_count", header.corner_count()},
@@ -88,7 +91,7 @@ absl::Status CheckCounts(const v1::MeshHeader& header, bool draco) {
       return BadHeader(field, absl::StrCat("the mesh's ", field, " is 0"), "Set it to 1 or more");
     }
   }
-  if (header.face_count() != 0 && header.corner_count() != 0 &&
+  if (!any_arity && header.face_count() != 0 && header.corner_count() != 0 &&
       header.corner_count() / 3 < header.face_count()) {
     return BadHeader("corner_count",
                      absl::StrCat("the mesh's corner_count is ", header.corner_count(), " for ",
@@ -98,15 +101,16 @@ absl::Status CheckCounts(const v1::MeshHeader& header, bool draco) {
   return absl::OkStatus();
 }
 
-absl::Status CheckLimits(const Limits& limits, const v1::MeshHeader& header) {
+absl::Status CheckLimits(const Limits& limits, const v1::MeshHeader& header, bool any_arity) {
   // Numbers of vertices and corners are Index; kNoIndex is none.
   constexpr std::uint64_t kMaxIndex = kNoIndex - 1;
   const std::uint64_t corners = std::min(limits.max_corners, kMaxIndex);
   for (const Claim& claim :
-       {Claim{"vertex_count", header.vertex_count(), std::min(limits.max_vertices, kMaxIndex)},
-        Claim{"corner_count", header.corner_count(), corners},
-        Claim{"face_count", header.face_count(), corners / 3},
-        Claim{"byte_count", header.byte_count(), limits.max_bytes}}) {
+       {Claim{"vertex_count", header.vertex_count(), std::min(limits.max_vertices, kMaxIndex),
+              "max-vertices"},
+        Claim{"corner_count", header.corner_count(), corners, "max-corners"},
+        Claim{"face_count", header.face_count(), any_arity ? corners : corners / 3, "max-corners"},
+        Claim{"byte_count", header.byte_count(), limits.max_bytes, "max-job-bytes"}}) {
     if (claim.value > claim.limit) return TooLarge(claim);
   }
   return absl::OkStatus();
@@ -160,7 +164,7 @@ absl::StatusOr<PolygonMesh> DecodeDracoMesh(const Limits& limits, const v1::Mesh
   }
   LIMN_RETURN_IF_ERROR(CheckClaims(header, out.mesh));
   if (out.mesh.corner_count() > limits.max_corners) {
-    return TooLarge({"corner_count", out.mesh.corner_count(), limits.max_corners});
+    return TooLarge({"corner_count", out.mesh.corner_count(), limits.max_corners, "max-corners"});
   }
   return std::move(out.mesh);
 }
@@ -171,7 +175,9 @@ absl::StatusOr<EncodedMesh> EncodeMesh(const Context& context, const PolygonMesh
                                        const MeshEncodeOptions& options) {
   return Guarded("encoding the mesh", Reason::kInternal, [&]() -> absl::StatusOr<EncodedMesh> {
     LIMN_RETURN_IF_ERROR(CheckOptions(options));
-    LIMN_RETURN_IF_ERROR(CheckPolygons(context, mesh));
+    const bool any_arity = options.any_arity && !IsDraco(options.encoding);
+    const Index least_arity = any_arity ? 0 : 3;
+    LIMN_RETURN_IF_ERROR(CheckPolygons(context, mesh, {.least_arity = least_arity}));
     EncodedMesh encoded;
     LIMN_ASSIGN_OR_RETURN(encoded.bytes, EncodeBytes(context, mesh, options));
     LIMN_RETURN_IF_ERROR(context.Check());
@@ -184,14 +190,16 @@ absl::StatusOr<EncodedMesh> EncodeMesh(const Context& context, const PolygonMesh
   });
 }
 
-absl::Status CheckHeader(const Limits& limits, const v1::MeshHeader& header) {
+absl::Status CheckHeader(const Limits& limits, const v1::MeshHeader& header,
+                         const MeshDecodeOptions& options) {
   if (!v1::MeshEncoding_IsValid(header.encoding())) {
     return BadHeader("encoding", absl::StrCat("mesh encoding ", header.encoding(), " is not known"),
                      "Use one of those that GetServerInfo lists");
   }
   const bool draco = IsDraco(header.encoding());
-  LIMN_RETURN_IF_ERROR(CheckCounts(header, draco));
-  LIMN_RETURN_IF_ERROR(CheckLimits(limits, header));
+  const bool any_arity = options.any_arity && !draco;
+  LIMN_RETURN_IF_ERROR(CheckCounts(header, draco, any_arity));
+  LIMN_RETURN_IF_ERROR(CheckLimits(limits, header, any_arity));
   if (draco) return CheckDracoSize(header);
   if (const std::uint64_t packed = PackedBytes(Counts(header)); header.byte_count() != packed) {
     return BadHeader("byte_count",
@@ -203,10 +211,10 @@ absl::Status CheckHeader(const Limits& limits, const v1::MeshHeader& header) {
 }
 
 absl::StatusOr<PolygonMesh> DecodeMesh(const Context& context, const v1::MeshHeader& header,
-                                       std::string_view bytes) {
+                                       std::string_view bytes, const MeshDecodeOptions& options) {
   return Guarded(
       "decoding the mesh", Reason::kMalformedEncoding, [&]() -> absl::StatusOr<PolygonMesh> {
-        LIMN_RETURN_IF_ERROR(CheckHeader(context.limits(), header));
+        LIMN_RETURN_IF_ERROR(CheckHeader(context.limits(), header, options));
         if (bytes.size() != header.byte_count()) {
           return MakeError(
               absl::StrCat("the mesh has ", bytes.size(), " bytes, but its header's byte_count is ",
@@ -222,7 +230,9 @@ absl::StatusOr<PolygonMesh> DecodeMesh(const Context& context, const v1::MeshHea
         } else {
           LIMN_ASSIGN_OR_RETURN(mesh, DecodePacked(context, Counts(header), bytes));
         }
-        LIMN_RETURN_IF_ERROR(CheckPolygons(context, mesh, kReceived));
+        PolygonRules rules = kReceived;
+        if (options.any_arity && !IsDraco(header.encoding())) rules.least_arity = 0;
+        LIMN_RETURN_IF_ERROR(CheckPolygons(context, mesh, rules));
         return mesh;
       });
 }

@@ -17,9 +17,15 @@ namespace limn::wire {
 
 struct MeshEncodeOptions {
   v1::MeshEncoding encoding = v1::MESH_ENCODING_PACKED;
-  // Bits per coordinate of MESH_ENCODING_DRACO_QUANTIZED, 8 to 30; positions are float32 then, so
-  // more than 24 are taken as 24.
+  // Bits per coordinate of MESH_ENCODING_DRACO_QUANTIZED; see quantization_grid.h.
   int quantization_bits = 16;
+  // Lets faces of fewer than 3 corners pass, in a mesh that is to be repaired. PACKED only.
+  bool any_arity = false;
+};
+
+struct MeshDecodeOptions {
+  // As above.
+  bool any_arity = false;
 };
 
 // Bytes of a Draco mesh that are believed per vertex and per corner: twice what the largest layout
@@ -58,12 +64,13 @@ struct EncodedMesh {
 // claimed; then the limits bound what is decoded, and byte_count is held against max_bytes.
 // Nothing is allocated. Errors: MALFORMED_REQUEST or LIMIT_EXCEEDED, naming the field
 // ("mesh.vertex_count" and so on).
-[[nodiscard]] absl::Status CheckHeader(const Limits& limits, const v1::MeshHeader& header);
+[[nodiscard]] absl::Status CheckHeader(const Limits& limits, const v1::MeshHeader& header,
+                                       const MeshDecodeOptions& options = {});
 
 // Decodes what EncodeMesh made, or, for both Draco encodings, a plain triangle mesh of any other
 // program: any numeric type of positions, their values being the vertices. Afterwards: counts are
 // those that the header claimed and within the limits, every index is in range, every arity is 3
-// or more. Coordinates and topology are left to HalfEdgeMesh::Build.
+// or more (unless any_arity is set). Coordinates and topology are left to HalfEdgeMesh::Build.
 //
 // Errors: those of CheckHeader; MALFORMED_ENCODING (field "faces" and the face for a bad index or
 // arity); LIMIT_EXCEEDED when a Draco mesh turns out larger than the limits; OUT_OF_MEMORY,
@@ -71,6 +78,7 @@ struct EncodedMesh {
 // Cost: linear in the mesh, which the number of bytes must justify; see draco_header.h.
 [[nodiscard]] absl::StatusOr<PolygonMesh> DecodeMesh(const Context& context,
                                                      const v1::MeshHeader& header,
-                                                     std::string_view bytes);
+                                                     std::string_view bytes,
+                                                     const MeshDecodeOptions& options = {});
 
 }  // namespace limn::wire

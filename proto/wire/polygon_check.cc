@@ -38,11 +38,15 @@ absl::StatusOr<std::size_t> FirstBad(const Context& context, std::size_t n, cons
 
 absl::Status FaceError(const PolygonMesh& mesh, std::size_t face, Reason reason) {
   const std::int64_t arity = std::int64_t{mesh.face_begin[face + 1]} - mesh.face_begin[face];
-  return MakeError(absl::StrCat("face ", face, " has ", arity, " corners"),
-                   {.reason = reason,
-                    .field = "faces",
-                    .index = face,
-                    .remedy = "Give every face 3 corners or more"});
+  return MakeError(
+      absl::StrCat("face ", face, " has ", arity, " corners"),
+      {.reason = reason,
+       .field = "faces",
+       .index = face,
+       .remedy = reason == Reason::kFaceTooSmall
+                     ? "Give every face 3 corners or more, or ask for repair (--repair) "
+                       "of a mesh that is sent packed"
+                     : "Give every face 3 corners or more"});
 }
 
 absl::Status IndexError(const PolygonMesh& mesh, std::size_t corner, Reason reason) {
@@ -60,7 +64,7 @@ absl::Status IndexError(const PolygonMesh& mesh, std::size_t corner, Reason reas
 }  // namespace
 
 absl::Status CheckPolygons(const Context& context, const PolygonMesh& mesh,
-                           const PolygonReasons& reasons) {
+                           const PolygonRules& rules) {
   const std::size_t faces = mesh.face_count();
   if (mesh.positions.empty() || faces == 0) {
     return MakeError(
@@ -71,17 +75,18 @@ absl::Status CheckPolygons(const Context& context, const PolygonMesh& mesh,
   }
   if (mesh.face_begin.front() != 0 || mesh.face_begin.back() != mesh.corner_count()) {
     return MakeError("face_begin does not run from 0 to the number of corners",
-                     {.reason = reasons.index_out_of_range, .field = "faces"});
+                     {.reason = rules.index_out_of_range, .field = "faces"});
   }
   LIMN_ASSIGN_OR_RETURN(const std::size_t face, FirstBad(context, faces, [&](std::size_t f) {
-                          return mesh.face_begin[f + 1] < std::uint64_t{mesh.face_begin[f]} + 3;
+                          return mesh.face_begin[f + 1] <
+                                 std::uint64_t{mesh.face_begin[f]} + rules.least_arity;
                         }));
-  if (face != kNone) return FaceError(mesh, face, reasons.face_too_small);
+  if (face != kNone) return FaceError(mesh, face, rules.face_too_small);
   const std::size_t vertices = mesh.vertex_count();
   LIMN_ASSIGN_OR_RETURN(const std::size_t corner,
                         FirstBad(context, mesh.corner_count(),
                                  [&](std::size_t c) { return mesh.corner_vertex[c] >= vertices; }));
-  if (corner != kNone) return IndexError(mesh, corner, reasons.index_out_of_range);
+  if (corner != kNone) return IndexError(mesh, corner, rules.index_out_of_range);
   return absl::OkStatus();
 }
 

@@ -9,21 +9,21 @@
 
 namespace limn::wire {
 
-// What the findings are called.
-struct PolygonReasons {
+// What the findings are called, and which arities pass.
+struct PolygonRules {
   Reason face_too_small = Reason::kFaceTooSmall;
   Reason index_out_of_range = Reason::kIndexOutOfRange;
+  Index least_arity = 3;
 };
 
 // How findings are called in bytes that were received.
-inline constexpr PolygonReasons kReceived = {Reason::kMalformedEncoding,
-                                             Reason::kMalformedEncoding};
+inline constexpr PolygonRules kReceived = {Reason::kMalformedEncoding, Reason::kMalformedEncoding};
 
 // Checks that there are vertices and faces, that face_begin runs from 0 to the number of corners in
-// steps of 3 or more, and that corners name vertices that are there. Errors (field "vertices" or
-// "faces", the first bad face as index): EMPTY_MESH, and as `reasons` says; CANCELLED,
+// steps of the least arity or more, and that corners name vertices that are there. Errors (field
+// "vertices" or "faces", the first bad face as index): EMPTY_MESH, and as `rules` says; CANCELLED,
 // DEADLINE_EXCEEDED. Cost: linear, in parallel.
 [[nodiscard]] absl::Status CheckPolygons(const Context& context, const PolygonMesh& mesh,
-                                         const PolygonReasons& reasons = {});
+                                         const PolygonRules& rules = {});
 
 }  // namespace limn::wire

@@ -2,6 +2,7 @@
 // See status.h.
 #include "proto/wire/status.h"
 
+#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -42,8 +43,9 @@ v1::ErrorDetails MakeErrorInfo(const ErrorDetail& detail) {
   if (!detail.field.empty()) metadata["field"] = Trailer(detail.field);
   if (detail.index.has_value()) metadata["index"] = absl::StrCat(*detail.index);
   if (!detail.remedy.empty()) metadata["remedy"] = Trailer(detail.remedy);
-  if (detail.reason == Reason::kLimitExceeded && !detail.field.empty()) {
-    metadata["limit"] = Trailer(detail.field);
+  if (detail.reason == Reason::kLimitExceeded) {
+    const std::string& limit = detail.limit.empty() ? detail.field : detail.limit;
+    if (!limit.empty()) metadata["limit"] = Trailer(limit);
   }
   return info;
 }
@@ -52,15 +54,16 @@ v1::BadRequestDetails MakeBadRequest(const ErrorDetail& detail, const std::strin
   v1::BadRequestDetails bad;
   v1::BadRequestDetails::FieldViolation* violation = bad.add_field_violations();
   std::string path = Trailer(detail.field);
-  if (detail.index.has_value()) absl::StrAppend(&path, "[", *detail.index, "]");
+  // "constraints.normals[3].vertex" says the index already.
+  const bool names_index = path.find('[') != std::string::npos;
+  if (detail.index.has_value() && !names_index) absl::StrAppend(&path, "[", *detail.index, "]");
   violation->set_field(path);
   violation->set_description(Trailer(message));
   return bad;
 }
 
 bool MayPassByItself(const ErrorDetail& detail) {
-  return CodeOf(detail.reason) == absl::StatusCode::kUnavailable ||
-         (detail.reason == Reason::kLimitExceeded && detail.field == kQueueField);
+  return detail.retryable || CodeOf(detail.reason) == absl::StatusCode::kUnavailable;
 }
 
 std::optional<Reason> ReasonFromName(std::string_view name) {
@@ -69,6 +72,11 @@ std::optional<Reason> ReasonFromName(std::string_view name) {
     if (ReasonName(reason) == name) return reason;
   }
   return std::nullopt;
+}
+
+bool HasRetryInfo(const v1::RichStatus& rich) {
+  return std::any_of(rich.details().begin(), rich.details().end(),
+                     [](const auto& any) { return any.type_url() == kRetryInfoUrl; });
 }
 
 // What our own ErrorInfo says; nothing for another program's.
@@ -85,6 +93,8 @@ std::optional<ErrorDetail> ReadErrorInfo(const v1::RichStatus& rich) {
     };
     ErrorDetail detail{.reason = *reason, .field = text("field"), .remedy = text("remedy")};
     if (std::uint64_t index = 0; absl::SimpleAtoi(text("index"), &index)) detail.index = index;
+    if (text("limit") != detail.field) detail.limit = text("limit");
+    detail.retryable = HasRetryInfo(rich);
     return detail;
   }
   return std::nullopt;

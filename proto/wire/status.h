@@ -1,24 +1,20 @@
 // SPDX-License-Identifier: MIT
 // The one map between errors of the engine and gRPC status. Details travel as google.rpc.Status in
 // the trailer "grpc-status-details-bin": ErrorInfo with every error, BadRequest for bad input,
-// RetryInfo for RESOURCE_EXHAUSTED by a queue and for UNAVAILABLE.
+// RetryInfo for what is retryable, and for UNAVAILABLE.
 //
-// ErrorInfo.metadata holds "field", "index" and "remedy" where the error has them, and "limit" (the
-// field again) with LIMIT_EXCEEDED.
+// ErrorInfo.metadata holds "field", "index" and "remedy" where the error has them, and "limit" with
+// LIMIT_EXCEEDED: the name of the limit, or the field again where the limit cannot be set. The path
+// in BadRequest is the field with its index behind it, "faces[7]", or the field alone where that is
+// a path with an index already.
 #pragma once
 
 #include <grpcpp/support/status.h>
-
-#include <string_view>
 
 #include "absl/status/status.h"
 #include "limn/v1/error_details.pb.h"
 
 namespace limn::wire {
-
-// Field of a LIMIT_EXCEEDED error that passes by itself: the queue is full. Only with this field
-// does a RESOURCE_EXHAUSTED carry RetryInfo.
-inline constexpr std::string_view kQueueField = "queue";
 
 // What RetryInfo tells, in seconds.
 inline constexpr int kRetryDelaySeconds = 1;
@@ -31,7 +27,8 @@ inline constexpr int kRetryDelaySeconds = 1;
 [[nodiscard]] v1::RichStatus ToRichStatus(const absl::Status& status);
 
 // Back again: message, code and, when the details came along, the engine's ErrorDetail (reason,
-// field, index, remedy). Any other program's status is kept with its code and message.
+// field, index, remedy, limit, retryable). Any other program's status is kept with its code and
+// message.
 [[nodiscard]] absl::Status FromGrpcStatus(const grpc::Status& status);
 
 // The same for errors inside a stream.

@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
-#include "proto/wire/guard.h"
+#include "engine/base/guard.h"
 #include "proto/wire/tile_codec.h"
 
 namespace limn::wire {

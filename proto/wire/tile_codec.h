@@ -10,6 +10,7 @@
 #include "absl/status/statusor.h"
 #include "engine/base/context.h"
 #include "engine/limit/tessellation.h"
+#include "engine/mesh/polygon_mesh.h"
 #include "limn/v1/mesh.pb.h"
 #include "proto/wire/quantization_grid.h"
 
@@ -22,11 +23,10 @@ inline constexpr std::uint32_t kMaxTileBytes = 1U << 20;
 struct TileOptions {
   // UNSPECIFIED means PACKED.
   v1::MeshEncoding encoding = v1::MESH_ENCODING_PACKED;
-  // Bits per coordinate of MESH_ENCODING_DRACO_QUANTIZED, 8 to 30 (more than 24 are
-  // taken as 24). All tiles of a surface share one grid, so that a vertex has the same value in
-  // every tile that holds it.
+  // Bits per coordinate of MESH_ENCODING_DRACO_QUANTIZED; see quantization_grid.h. All tiles of a
+  // surface share one grid, so that a vertex has the same value in every tile that holds it.
   int quantization_bits = 16;
-  // Bytes of a tile's arrays before compression at the most, 4 KiB to 1 MiB.
+  // Bytes of a tile's arrays before compression at the most, kMinTileBytes to kMaxTileBytes.
   std::uint32_t tile_bytes = 512U << 10;
   // Leave the connectivity out (packed only).
   bool omit_connectivity = false;
@@ -54,6 +54,12 @@ struct TileRange {
 // that alone is larger than tile_bytes. Cost: linear in tiles; in faces where arities differ.
 [[nodiscard]] absl::StatusOr<std::vector<TileRange>> PlanTiles(const Tessellation& surface,
                                                                const TileOptions& options);
+
+// For tiles with the mesh's own faces (level 0): raises options->tile_bytes as far as its largest
+// face needs. Errors: INVALID_OPTION (field "surface.level") for a face that no tile can hold.
+// Cost: one pass over faces.
+[[nodiscard]] absl::Status FitLargestFace(const PolygonMesh& mesh, bool normals,
+                                          TileOptions* options);
 
 // Encodes one tile of the plan. Errors: INVALID_OPTION, as PlanTiles and for a range beyond the
 // surface; those of FitGrid; INTERNAL when Draco fails, OUT_OF_MEMORY, CANCELLED,

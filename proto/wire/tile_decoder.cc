@@ -8,8 +8,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
+#include "engine/base/guard.h"
 #include "proto/wire/draco_decoder.h"
-#include "proto/wire/guard.h"
 #include "proto/wire/polygon_check.h"
 #include "proto/wire/tile_codec.h"
 #include "proto/wire/tile_options.h"

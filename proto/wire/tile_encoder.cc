@@ -9,8 +9,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
+#include "engine/base/guard.h"
 #include "proto/wire/draco_encoder.h"
-#include "proto/wire/guard.h"
 #include "proto/wire/tile_codec.h"
 #include "proto/wire/tile_options.h"
 
@@ -142,7 +142,7 @@ absl::Status FillDraco(const Context& context, const Tessellation& surface, cons
     if (!grid.has_value()) {
       LIMN_ASSIGN_OR_RETURN(grid, FitGrid(context, surface.positions, surface.normals));
     }
-    bytes = EncodeDracoQuantized(input, *grid, options.quantization_bits);
+    bytes = EncodeDracoQuantized(context, input, *grid, options.quantization_bits);
   }
   LIMN_RETURN_IF_ERROR(bytes.status());
   tile->set_draco(*std::move(bytes));

@@ -20,15 +20,23 @@ absl::Status InvalidOption(const char* field, const std::string& message,
   return MakeError(message, {.reason = Reason::kInvalidOption, .field = field, .remedy = remedy});
 }
 
+std::uint64_t VertexBytes(bool normals) { return kPositionBytes + (normals ? kNormalBytes : 0); }
 std::uint64_t VertexBytes(const Tessellation& surface) {
-  return kPositionBytes + (surface.normals.empty() ? 0 : kNormalBytes);
+  return VertexBytes(!surface.normals.empty());
 }
+
+// What a face of a Draco tile adds per corner.
+std::uint64_t DracoCornerBytes(std::uint64_t vertex_bytes) {
+  return vertex_bytes + 2 * kIndexBytes;
+}
+// Of a packed tile's bytes, what is kept for the other kind of run.
+constexpr std::uint64_t kLeastShare = 64;
 
 // Bytes that a face of this arity adds to a tile at the most. A Draco tile brings a face's vertices
 // along, each with its number; how many of them other faces share is not known in advance.
 std::uint64_t FaceBytes(const Tessellation& surface, bool draco, std::uint64_t arity) {
   const std::uint64_t arity_bytes = surface.arity == 0 || draco ? kIndexBytes : 0;
-  const std::uint64_t corner = draco ? VertexBytes(surface) + 2 * kIndexBytes : kIndexBytes;
+  const std::uint64_t corner = draco ? DracoCornerBytes(VertexBytes(surface)) : kIndexBytes;
   return arity_bytes + arity * corner;
 }
 
@@ -109,7 +117,7 @@ absl::StatusOr<std::vector<TileRange>> PlanPacked(const Tessellation& surface,
   // Never all of it, so that the other kind always advances; room for the largest face if possible.
   const std::uint64_t share = options.tile_bytes * all_faces / all;
   const std::uint64_t for_faces = std::clamp<std::uint64_t>(
-      std::max(share, LargestFaceBytes(surface)), 64, options.tile_bytes - 64);
+      std::max(share, LargestFaceBytes(surface)), kLeastShare, options.tile_bytes - kLeastShare);
   LIMN_RETURN_IF_ERROR(CutFaces(surface, false, for_faces, &tiles));
   CutVertices(surface.vertex_count(), (options.tile_bytes - for_faces) / vertex_bytes, &tiles);
   return tiles;
@@ -143,6 +151,30 @@ absl::Status CheckTileOptions(const TileOptions& options) {
                          "a Draco tile cannot be sent without its connectivity",
                          "Use MESH_ENCODING_PACKED, or do not set omit_connectivity");
   }
+  return absl::OkStatus();
+}
+
+absl::Status FitLargestFace(const PolygonMesh& mesh, bool normals, TileOptions* options) {
+  if (options->omit_connectivity) return absl::OkStatus();
+  std::uint64_t arity = 0;
+  std::uint64_t face = 0;
+  for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+    if (mesh.arity(f) <= arity) continue;
+    arity = mesh.arity(f);
+    face = f;
+  }
+  const std::uint64_t corner =
+      IsDracoTile(options->encoding) ? DracoCornerBytes(VertexBytes(normals)) : kIndexBytes;
+  const std::uint64_t bytes = kIndexBytes + arity * corner + kLeastShare;
+  if (bytes > kMaxTileBytes) {
+    return MakeError(absl::StrCat("face ", face, " of ", arity,
+                                  " corners is larger than a message of the surface"),
+                     {.reason = Reason::kInvalidOption,
+                      .field = "surface.level",
+                      .index = face,
+                      .remedy = "Ask for level 1 or more, whose faces are quads"});
+  }
+  options->tile_bytes = std::max(options->tile_bytes, static_cast<std::uint32_t>(bytes));
   return absl::OkStatus();
 }
 

@@ -9,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "absl/types/span.h"
 #include "engine/base/buffer.h"
+#include "engine/base/context.h"
 #include "engine/mesh/polygon_mesh.h"
 
 namespace limn::wire {
@@ -55,8 +56,10 @@ struct MarkedTriangles {
 // Errors, with field "faces" and the face's index: REPEATED_VERTEX; NON_MANIFOLD_EDGE when two
 // faces walk an edge in the same direction; INVALID_OPTION when a face cannot be cut so (searched
 // for completely up to 128 corners, with fans from 128 corners above). The remedy is a lossless
-// encoding. Cost: linear, apart from that search. Throws std::bad_alloc.
-[[nodiscard]] absl::StatusOr<MarkedTriangles> TriangulateMarked(const PolygonView& faces);
+// encoding. CANCELLED and DEADLINE_EXCEEDED, seen at every face. Cost: linear, apart from that
+// search, which takes the cube of a face's corners. Throws std::bad_alloc.
+[[nodiscard]] absl::StatusOr<MarkedTriangles> TriangulateMarked(const Context& context,
+                                                                const PolygonView& faces);
 
 // Joins triangles over their marked edges. Every triangle is part of exactly one polygon without
 // holes (checked). Faces come in the order of their first triangle. Errors: MALFORMED_ENCODING.

@@ -27,8 +27,9 @@ absl::Status FaceError(Reason reason, std::size_t face, const std::string& what)
 
 class Triangulator {
  public:
-  explicit Triangulator(const PolygonView& faces)
-      : faces_(faces),
+  Triangulator(const Context& context, const PolygonView& faces)
+      : context_(context),
+        faces_(faces),
         // Closed meshes have half as many edges as corners; open ones make the table grow.
         edges_(faces.corner_vertex.size() / 2 + faces.triangle_count() - faces.face_count()) {}
 
@@ -38,6 +39,7 @@ class Triangulator {
     out_.corner_vertex.reserve(3 * triangles);
     if (triangles != faces_.face_count()) out_.added.reserve(3 * triangles);
     for (std::size_t f = 0; f < faces_.face_count(); ++f) {
+      if (context_.stop_requested()) return context_.Check();
       LIMN_RETURN_IF_ERROR(Cut(f));
     }
     if (triangles == faces_.face_count()) out_.added.clear();
@@ -159,6 +161,7 @@ class Triangulator {
     for (int i = 1; i <= 3; ++i) out_.added.push_back(mark == i ? 1 : 0);
   }
 
+  const Context& context_;
   const PolygonView faces_;
   EdgeTable edges_;
   MarkedTriangles out_;
@@ -168,8 +171,9 @@ class Triangulator {
 
 }  // namespace
 
-absl::StatusOr<MarkedTriangles> TriangulateMarked(const PolygonView& faces) {
-  return Triangulator(faces).Run();
+absl::StatusOr<MarkedTriangles> TriangulateMarked(const Context& context,
+                                                  const PolygonView& faces) {
+  return Triangulator(context, faces).Run();
 }
 
 }  // namespace limn::wire

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/heap.h"
 #include "engine/base/parallel.h"
 #include "engine/constraints/perturb.h"
 #include "engine/interpolate.h"
@@ -151,7 +152,7 @@ void BM_FirstRefinement(benchmark::State& state) {
 
 void BM_Perturb(benchmark::State& state) {
   Measure(state, [](Input& input) {
-    OrDie(PerturbToInterpolate(input.context, input.mesh, input.given.positions,
+    OrDie(PerturbToInterpolate(input.context, {input.mesh, input.given.positions},
                                absl::MakeSpan(input.first)));
   });
 }
@@ -232,6 +233,7 @@ void Register() {
 }  // namespace limn
 
 int main(int argc, char** argv) {
+  limn::KeepHeap();
   limn::Register();
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;

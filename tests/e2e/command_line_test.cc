@@ -38,9 +38,10 @@ TEST_F(CommandLineE2e, HelpNamesEveryCommandAndFlagOnStandardOutput) {
   }
   const RunResult interpolate = space_.Limn({"interpolate", "--help"});
   EXPECT_EQ(interpolate.status, 0);
-  for (const char* word : {"--scheme", "--level", "--control-mesh", "--report", "--solver",
-                           "--tolerance", "--max-sweeps", "--threads", "--server", "--encoding",
-                           "--quantization-bits", "--deadline", "--quiet", "--output"}) {
+  for (const char* word :
+       {"--scheme", "--level", "--control-mesh", "--report", "--solver", "--tolerance",
+        "--max-sweeps", "--threads", "--server", "--encoding", "--quantization-bits", "--deadline",
+        "--quiet", "--output", "--constraints", "--rule", "--fair", "--repair"}) {
     EXPECT_NE(interpolate.output.find(word), std::string::npos) << word;
   }
   const RunResult generate = space_.Limn({"generate", "--help"});
@@ -82,6 +83,10 @@ TEST_F(CommandLineE2e, UsageErrorsEndWithTwoAndSayWhat) {
       {"interpolate", in, "-o", out, "--max-sweeps", "10001"},
       {"interpolate", in, "-o", out, "--solver", "magic"},
       {"interpolate", in, "-o", out, "--scheme", "magic"},
+      {"interpolate", in, "-o", out, "--rule", "magic"},
+      {"interpolate", in, "-o", out, "--constraints"},
+      {"interpolate", in, "-o", out, "--constraints", in, "--constraints", in},
+      {"interpolate", in, "-o", in, "--constraints", in},
       {"interpolate", in, "-o", out, "--encoding", "zip"},
       {"interpolate", in, "-o", out, "--quantization-bits", "31"},
       {"interpolate", in, "-o", out, "--deadline", "0"},

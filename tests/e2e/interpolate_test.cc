@@ -202,5 +202,51 @@ TEST_F(InterpolateE2e, TwoRunsGiveTheSameFilesAndReplaceThem) {
   EXPECT_EQ(space_.Files(), (std::vector<std::string>{"c.obj", "given.obj", "s.obj"}));
 }
 
+// A cube with a face turned, one given twice, one of two corners, and a vertex of no face.
+TEST_F(InterpolateE2e, RepairOnRequestSaysWhatWasChangedAndWhereItCameFrom) {
+  const std::string vertices =
+      "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n";
+  WriteAll(At("in.obj"), vertices +
+                             "f 5 4 3 2\nf 9 8 7 6\nf 2 3 7 6\nf 3 4 8 7\nf 4 3 7 8\nf 4 5 9 8\n"
+                             "f 2 3\nf 5 2 6 9\n");
+  WriteAll(At("sound.obj"), vertices.substr(vertices.find('\n') + 1) +
+                                "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\n"
+                                "f 4 1 5 8\n");
+  ServerProcess server(space_);
+  const RunResult refused =
+      space_.Limn({"interpolate", At("in.obj"), "--server", server.address()});
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_NE(refused.errors.find("--repair"), std::string::npos) << refused.errors;
+
+  const RunResult run =
+      space_.Limn({"interpolate", At("in.obj"), "--repair", "--server", server.address(), "-o",
+                   At("s.obj"), "--report", At("r.json")});
+  ASSERT_EQ(run.status, 0) << run.errors << server.Log();
+  for (const char* row : {"degenerate faces removed: 1", "repeated faces removed: 1",
+                          "faces turned round: 1", "isolated vertices removed: 1"}) {
+    EXPECT_NE(run.output.find(row), std::string::npos) << row << " in " << run.output;
+  }
+  ExpectInterpolates(ReadObj(At("sound.obj")), ReadObj(At("s.obj")));
+  v1::Summary summary;
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(ReadAll(At("r.json")), &summary).ok());
+  EXPECT_EQ(summary.input_vertices(), 9U);
+  std::string bytes;
+  for (char v = 1; v <= 8; ++v) bytes.append({v, 0, 0, 0});
+  EXPECT_EQ(summary.repair().original_vertex(), bytes);
+  EXPECT_EQ(summary.repair().original_face().size(), 6U * 4);
+
+  // A sound mesh is as it was.
+  ASSERT_EQ(space_.Limn({"interpolate", At("sound.obj"), "-o", At("a.obj")}).status, 0);
+  const RunResult idle =
+      space_.Limn({"interpolate", At("sound.obj"), "--repair", "-o", At("b.obj")});
+  EXPECT_NE(idle.output.find("nothing: there was no need"), std::string::npos) << idle.output;
+  EXPECT_EQ(ReadAll(At("a.obj")), ReadAll(At("b.obj")));
+
+  const RunResult info = space_.Limn({"info", At("in.obj")});
+  EXPECT_NE(info.output.find("--repair mends that"), std::string::npos) << info.output;
+  const RunResult json = space_.Limn({"info", At("in.obj"), "--json"});
+  EXPECT_NE(json.output.find("\"repairable\": true"), std::string::npos) << json.output;
+}
+
 }  // namespace
 }  // namespace limn::e2e

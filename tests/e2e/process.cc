@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -31,6 +32,17 @@ int OpenTerminal(std::string* name) {
   return fd;
 }
 
+// Makes a pipe with this name and fills it. Returns an end that keeps it from being closed.
+int OpenFullPipe(const std::string& name) {
+  if (mkfifo(name.c_str(), 0600) != 0) throw std::runtime_error("no pipe");
+  const int fd = open(name.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+  if (fd < 0) throw std::runtime_error("no pipe");
+  const std::array<char, 4096> bytes{};
+  while (write(fd, bytes.data(), bytes.size()) > 0) {
+  }
+  return fd;
+}
+
 // outputs: files of stdout and stderr.
 pid_t Spawn(const std::vector<std::string>& command, const std::array<std::string, 2>& outputs) {
   std::vector<char*> arguments;
@@ -51,10 +63,13 @@ pid_t Spawn(const std::vector<std::string>& command, const std::array<std::strin
 }
 
 std::vector<std::string> ServerCommand(const Workspace& workspace,
-                                       const std::vector<std::string>& flags) {
+                                       const std::vector<std::string>& flags,
+                                       const std::string& preload) {
   std::filesystem::remove(workspace.log("port"));
-  std::vector<std::string> command = {LIMND_BINARY, "--listen", "127.0.0.1:0", "--port-file",
-                                      workspace.log("port").string()};
+  std::vector<std::string> command;
+  if (!preload.empty()) command = {"/usr/bin/env", "LD_PRELOAD=" + preload};
+  command.insert(command.end(), {LIMND_BINARY, "--listen", "127.0.0.1:0", "--port-file",
+                                 workspace.log("port").string()});
   command.insert(command.end(), flags.begin(), flags.end());
   return command;
 }
@@ -66,6 +81,7 @@ Process::Process(const std::vector<std::string>& command, const std::filesystem:
     : base_(base) {
   std::string errors_file = base.string() + ".err";
   if (errors == Errors::kTerminal) terminal_ = OpenTerminal(&errors_file);
+  if (errors == Errors::kFullPipe) terminal_ = OpenFullPipe(errors_file);
   pid_ = Spawn(command, {base.string() + ".out", errors_file});
 }
 
@@ -103,6 +119,7 @@ std::string Process::Output() const { return ReadAll(base_.string() + ".out"); }
 
 std::string Process::ErrorText() {
   if (terminal_ < 0) return ReadAll(base_.string() + ".err");
+  if (!isatty(terminal_)) return "(nobody reads it)";
   std::array<char, 4096> buffer;
   // Ends with EAGAIN while the process runs and with EIO when it has ended.
   for (ssize_t got = 0; (got = read(terminal_, buffer.data(), buffer.size())) > 0;) {
@@ -152,8 +169,9 @@ std::vector<std::string> Workspace::Files() const {
   return names;
 }
 
-ServerProcess::ServerProcess(const Workspace& workspace, const std::vector<std::string>& flags)
-    : process_(ServerCommand(workspace, flags), workspace.log("limnd")) {
+ServerProcess::ServerProcess(const Workspace& workspace, const std::vector<std::string>& flags,
+                             Process::Errors errors, const std::string& preload)
+    : process_(ServerCommand(workspace, flags, preload), workspace.log("limnd"), errors) {
   std::string port;
   WaitUntil(20, [&] {
     port = ReadAll(workspace.log("port"));

@@ -15,11 +15,11 @@ namespace limn::e2e {
 // A process that writes its output into files.
 class Process {
  public:
-  // What stderr is.
-  enum class Errors { kFile, kTerminal };
+  // What stderr is. kFullPipe: a pipe that is full already and that nobody reads.
+  enum class Errors { kFile, kTerminal, kFullPipe };
 
   // Starts `command` (program and arguments). stdout goes to the file BASE.out, which is emptied
-  // first, stderr likewise to BASE.err or to a terminal of its own.
+  // first, stderr likewise to BASE.err, to a terminal of its own or to a pipe.
   Process(const std::vector<std::string>& command, const std::filesystem::path& base,
           Errors errors = Errors::kFile);
   // Kills what still runs.
@@ -43,7 +43,7 @@ class Process {
   bool Reap(int flags);
 
   std::filesystem::path base_;
-  // The terminal's other end, or -1.
+  // The other end of the terminal or pipe, or -1.
   int terminal_ = -1;
   std::string terminal_text_;
   pid_t pid_ = -1;
@@ -85,8 +85,10 @@ class Workspace {
 // limnd on a free loopback port.
 class ServerProcess {
  public:
-  // flags: beside --listen and --port-file. Throws std::runtime_error when it does not come up.
-  ServerProcess(const Workspace& workspace, const std::vector<std::string>& flags = {});
+  // flags: beside --listen and --port-file. preload: a library that stands in for parts of others,
+  // or nothing. Throws std::runtime_error when it does not come up.
+  ServerProcess(const Workspace& workspace, const std::vector<std::string>& flags = {},
+                Process::Errors errors = Process::Errors::kFile, const std::string& preload = "");
 
   const std::string& address() const { return address_; }
   // Everything that it has printed.

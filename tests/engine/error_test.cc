@@ -27,12 +27,12 @@ const std::map<Reason, Expected>& AllReasons() {
       {Reason::kRepeatedVertex, {"REPEATED_VERTEX", absl::StatusCode::kInvalidArgument}},
       {Reason::kNonFiniteCoordinate, {"NON_FINITE_COORDINATE", absl::StatusCode::kInvalidArgument}},
       {Reason::kCoordinateTooLarge, {"COORDINATE_TOO_LARGE", absl::StatusCode::kInvalidArgument}},
+      {Reason::kExtentTooSmall, {"EXTENT_TOO_SMALL", absl::StatusCode::kInvalidArgument}},
       {Reason::kIsolatedVertex, {"ISOLATED_VERTEX", absl::StatusCode::kInvalidArgument}},
       {Reason::kNonManifoldEdge, {"NON_MANIFOLD_EDGE", absl::StatusCode::kInvalidArgument}},
       {Reason::kInconsistentOrientation,
        {"INCONSISTENT_ORIENTATION", absl::StatusCode::kInvalidArgument}},
       {Reason::kNonManifoldVertex, {"NON_MANIFOLD_VERTEX", absl::StatusCode::kInvalidArgument}},
-      {Reason::kOpenMesh, {"OPEN_MESH", absl::StatusCode::kInvalidArgument}},
       {Reason::kMalformedEncoding, {"MALFORMED_ENCODING", absl::StatusCode::kInvalidArgument}},
       {Reason::kMalformedRequest, {"MALFORMED_REQUEST", absl::StatusCode::kInvalidArgument}},
       {Reason::kMalformedFile, {"MALFORMED_FILE", absl::StatusCode::kInvalidArgument}},
@@ -68,7 +68,8 @@ TEST(Error, DetailsComeBackAsTheyWereGiven) {
           ErrorDetail{.reason = reason, .field = "mesh.faces", .index = 0, .remedy = "Do, so: it"},
           ErrorDetail{.reason = reason, .index = ~std::uint64_t{0}},
           ErrorDetail{.reason = reason, .field = "solve.tolerance"},
-          ErrorDetail{.reason = reason, .remedy = "Two\nlines"}}) {
+          ErrorDetail{.reason = reason, .remedy = "Two\nlines", .limit = "max-level"},
+          ErrorDetail{.reason = reason, .remedy = "Wait", .retryable = true}}) {
       const absl::Status status = MakeError("what happened", detail);
       EXPECT_EQ(status.code(), expected.code);
       const auto back = GetErrorDetail(status);
@@ -77,6 +78,8 @@ TEST(Error, DetailsComeBackAsTheyWereGiven) {
       EXPECT_EQ(back->field, detail.field);
       EXPECT_EQ(back->index, detail.index);
       EXPECT_EQ(back->remedy, detail.remedy);
+      EXPECT_EQ(back->limit, detail.limit);
+      EXPECT_EQ(back->retryable, detail.retryable);
     }
   }
 }
@@ -87,10 +90,10 @@ TEST(Error, RemedyIsPartOfTheMessage) {
 }
 
 TEST(Error, DetailsSurviveCopies) {
-  const absl::Status status = MakeError("x", {.reason = Reason::kOpenMesh, .index = 3});
+  const absl::Status status = MakeError("x", {.reason = Reason::kNonManifoldEdge, .index = 3});
   const absl::StatusOr<int> wrapped = status;
   EXPECT_EQ(GetErrorDetail(wrapped.status())->index, 3U);
-  EXPECT_EQ(GetErrorDetail(wrapped.status())->reason, Reason::kOpenMesh);
+  EXPECT_EQ(GetErrorDetail(wrapped.status())->reason, Reason::kNonManifoldEdge);
 }
 
 TEST(Error, OkHasNoDetail) { EXPECT_FALSE(GetErrorDetail(absl::OkStatus()).has_value()); }

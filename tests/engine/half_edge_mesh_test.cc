@@ -11,6 +11,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine/mesh/generate.h"
+#include "engine/mesh/repair.h"
 #include "tests/oracle/expect.h"
 #include "tests/oracle/tessellation.h"
 
@@ -209,6 +210,10 @@ TEST(HalfEdgeMesh, NamesKindCountAndFirstElementOfWhatItRefuses) {
       EXPECT_NE(status.message().find(first), std::string_view::npos) << status;
       EXPECT_NE(status.message().find(absl::StrCat(": ", broken.count, " ")),
                 std::string_view::npos)
+          << status;
+      // And says so when repair would help.
+      EXPECT_EQ(status.message().find("repair") != std::string_view::npos,
+                RepairMends(broken.reason))
           << status;
     }
   }

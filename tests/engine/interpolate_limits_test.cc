@@ -42,32 +42,6 @@ TEST(InterpolateLimits, RefusesWhatIsNoManifold) {
   ExpectError(Refusal({}), {Reason::kEmptyMesh, "mesh.vertices"});
 }
 
-TEST(InterpolateLimits, RefusesOpenMeshesAndNamesTheBoundary) {
-  const PolygonMesh cube = oracle::Cube();
-  PolygonMesh open;
-  open.positions = cube.positions;
-  for (std::size_t f = 0; f + 1 < cube.face_count(); ++f) open.AddFace(cube.face(f));
-  const absl::Status status = Refusal(open);
-  // The first face along the hole, and the vertex that its side on the hole leaves.
-  Index first = kNoIndex;
-  Index vertex = kNoIndex;
-  const HalfEdgeMesh built = oracle::BuildOrDie(open);
-  for (Index h = built.half_edge_count(); h-- > 0;) {
-    if (built.twin()[h] == kNoIndex) {
-      first = built.face()[h];
-      vertex = built.vertex()[h];
-    }
-  }
-  ExpectError(status, {Reason::kOpenMesh, "mesh.faces", first});
-  EXPECT_NE(status.message().find("4 boundary edges"), std::string_view::npos) << status;
-  EXPECT_NE(status.message().find(absl::StrCat("vertex ", vertex, " in face ", first)),
-            std::string_view::npos)
-      << status;
-  for (const MeshKind kind : {MeshKind::kGrid, MeshKind::kDisk}) {
-    EXPECT_EQ(GetErrorDetail(Refusal(Generated(kind, 300)))->reason, Reason::kOpenMesh);
-  }
-}
-
 TEST(InterpolateLimits, RefusesCoordinatesThatArithmeticCannotTake) {
   const double infinity = std::numeric_limits<double>::infinity();
   for (const double bad : {std::nan(""), infinity, -infinity}) {
@@ -86,6 +60,11 @@ TEST(InterpolateLimits, SchemesThatAreNotBuiltAnswerUnimplemented) {
   for (const Scheme scheme : {Scheme::kCatmullClark, Scheme::kLoop}) {
     ExpectError(Refusal(oracle::Cube(), {.scheme = scheme}), {Reason::kUnimplemented, "scheme"});
   }
+}
+
+TEST(InterpolateLimits, AChordToleranceAnswersUnimplemented) {
+  ExpectError(Refusal(oracle::Cube(), {.chord_tolerance = 0.1}),
+              {Reason::kUnimplemented, "surface.chord_tolerance"});
 }
 
 TEST(InterpolateLimits, RefusesOptionsOutOfRange) {

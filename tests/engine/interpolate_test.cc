@@ -338,13 +338,21 @@ TEST(Interpolate, WorksAtEverySizeToRelativeAccuracy) {
   }
 }
 
-TEST(Interpolate, DenormalCoordinatesGiveFiniteResults) {
-  const PolygonMesh mesh = oracle::Moved(oracle::Jittered(oracle::Cube(), 1, 0.3), 1e-310, {});
-  const InterpolateResult result = InterpolateOrDie(mesh);
-  for (std::size_t v = 0; v < result.surface.vertex_count(); ++v) {
-    EXPECT_LE(MaxAbs(result.surface.positions[v]), 1e-309);
-    EXPECT_LE(MaxAbs(result.surface.normals[v]), 1);
+// Below, what is left of differences could not hold the guarantee.
+TEST(Interpolate, MeshesOfDenormalExtentAreRefusedAndThoseAboveAreMet) {
+  const PolygonMesh cube = oracle::Jittered(oracle::Cube(), 1, 0.3);
+  for (const double scale : {1e-323, 1e-318, 1e-310, 1e-301}) {
+    oracle::ExpectError(Interpolate(Context(), oracle::Moved(cube, scale, {})).status(),
+                        {Reason::kExtentTooSmall, "mesh.vertices"});
   }
+  for (const double scale : {1e-299, 1e-200}) {
+    const PolygonMesh mesh = oracle::Moved(cube, scale, {});
+    EXPECT_LE(InterpolationError(mesh, InterpolateOrDie(mesh)), 1e-12);
+  }
+  // Denormal coordinates beside ordinary ones are ordinary small numbers.
+  PolygonMesh mixed = cube;
+  mixed.positions[0].x = 1e-310;
+  EXPECT_LE(InterpolationError(mixed, InterpolateOrDie(mixed)), 1e-12);
 }
 
 // Georeferenced models: the box is small and far from the origin.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include "tests/oracle/dense.h"
@@ -64,25 +65,61 @@ TEST_P(LimitStencilTest, IsEquationSixOfThePaper) {
   }
 }
 
-TEST_P(LimitStencilTest, SpectrumIsWithinTheProvenBounds) {
-  const LimitStencil stencil = DooSabinModifiedStencil();
-  EXPECT_EQ(stencil.spectrum_low, 0.5);
-  EXPECT_EQ(stencil.spectrum_high, 1);
-  // Dense eigenvalues of large meshes take too long to be worth it.
-  if (given_.points.size() > 110) return;
-  Matrix matrix = DenseOperator(oracle::BuildOrDie(mesh_), stencil);
-  // diag(m) L is symmetric, so L is similar to diag(sqrt m) L diag(1 / sqrt m).
-  const std::vector<int> m = oracle::FacesAround(given_);
+// Eigenvalues of the operator. diag(m) L is symmetric, so L is similar to
+// diag(sqrt m) L diag(1 / sqrt m).
+std::vector<Real> SpectrumOf(Matrix matrix, const std::vector<int>& m) {
   for (std::size_t v = 0; v < m.size(); ++v) {
     for (std::size_t u = 0; u < m.size(); ++u) {
       matrix[v][u] *= std::sqrt(static_cast<Real>(m[v]) / m[u]);
     }
   }
-  const std::vector<Real> values = oracle::SymmetricEigenvalues(matrix);
-  EXPECT_GE(values.front(), 0.5 - 1e-13);
-  EXPECT_LE(values.back(), 1 + 1e-13);
-  // The constant vector belongs to 1.
-  EXPECT_NEAR(static_cast<double>(values.back()), 1, 1e-13);
+  return oracle::SymmetricEigenvalues(matrix);
+}
+
+TEST_P(LimitStencilTest, SpectrumIsWithinTheProvenBounds) {
+  EXPECT_EQ(DooSabinModifiedStencil().spectrum_low, 0.5);
+  EXPECT_EQ(DooSabinStandardStencil().spectrum_low, 0.25);
+  // Dense eigenvalues of large meshes take too long to be worth it.
+  if (given_.points.size() > 110) return;
+  const std::vector<int> m = oracle::FacesAround(given_);
+  for (const LimitStencil& stencil : {DooSabinModifiedStencil(), DooSabinStandardStencil()}) {
+    EXPECT_EQ(stencil.spectrum_high, 1);
+    const std::vector<Real> values =
+        SpectrumOf(DenseOperator(oracle::BuildOrDie(mesh_), stencil), m);
+    EXPECT_GE(values.front(), stencil.spectrum_low - 1e-13);
+    EXPECT_LE(values.back(), 1 + 1e-13);
+    // The constant vector belongs to 1.
+    EXPECT_NEAR(static_cast<double>(values.back()), 1, 1e-13);
+  }
+}
+
+// Vertices that are not interpolated leave a principal submatrix and an identity.
+TEST_P(LimitStencilTest, SubsetsKeepTheBoundsOfTheSpectrum) {
+  if (given_.points.size() > 110) return;
+  const std::vector<int> m = oracle::FacesAround(given_);
+  std::vector<std::uint8_t> fixed(m.size(), 0);
+  for (std::size_t v = 0; v < m.size(); v += 3) fixed[v] = 1;
+  for (LimitStencil stencil : {DooSabinModifiedStencil(), DooSabinStandardStencil()}) {
+    ASSERT_TRUE(FixVertices(context_, fixed, &stencil).ok());
+    const Matrix all = DenseOperator(oracle::BuildOrDie(mesh_), stencil);
+    Matrix part;
+    std::vector<int> part_m;
+    for (std::size_t v = 0; v < m.size(); ++v) {
+      if (fixed[v] != 0) {
+        for (std::size_t u = 0; u < m.size(); ++u) EXPECT_EQ(all[v][u], u == v ? 1 : 0);
+        continue;
+      }
+      part_m.push_back(m[v]);
+      part.emplace_back();
+      for (std::size_t u = 0; u < m.size(); ++u) {
+        if (fixed[u] == 0) part.back().push_back(all[v][u]);
+      }
+    }
+    if (part.empty()) continue;
+    const std::vector<Real> values = SpectrumOf(part, part_m);
+    EXPECT_GE(values.front(), stencil.spectrum_low - 1e-13);
+    EXPECT_LE(values.back(), 1 + 1e-13);
+  }
 }
 
 LIMN_FOR_CLOSED_MESHES(LimitStencilTest);

@@ -53,6 +53,27 @@ TEST(Parallel, ForStopsWithinOneChunkPerThread) {
   }
 }
 
+TEST(Parallel, InOrderVisitsEveryIndexInItsOrderUntilItIsStopped) {
+  for (const std::size_t n : kSizes) {
+    std::size_t next = 0;
+    const auto count = [&](std::size_t begin, std::size_t end) {
+      EXPECT_EQ(begin, next);
+      EXPECT_LE(end - begin, kDefaultGrain);
+      next = end;
+    };
+    ASSERT_TRUE(ForInOrder(Context(), n, count).ok());
+    EXPECT_EQ(next, n);
+  }
+  const Context context;
+  std::size_t chunks = 0;
+  oracle::ExpectError(ForInOrder(context, 1000000,
+                                 [&](std::size_t, std::size_t) {
+                                   if (++chunks == 3) context.Cancel();
+                                 }),
+                      {Reason::kCancelled});
+  EXPECT_EQ(chunks, 3U);
+}
+
 TEST(Parallel, ForDoesNotStartWhenTheJobIsStopped) {
   const Context cancelled;
   cancelled.Cancel();

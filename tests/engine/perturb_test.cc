@@ -31,7 +31,8 @@ struct Images {
 std::vector<Images> PerturbCorners(const PolygonMesh& given, std::vector<Vec3> corners) {
   const HalfEdgeMesh mesh = oracle::BuildOrDie(given);
   const Points before = oracle::FromVec3(corners);
-  EXPECT_TRUE(PerturbToInterpolate(Context(), mesh, given.positions, absl::MakeSpan(corners)).ok());
+  EXPECT_TRUE(
+      PerturbToInterpolate(Context(), {mesh, given.positions}, absl::MakeSpan(corners)).ok());
   const Points after = oracle::FromVec3(corners);
   const Points targets = oracle::FromVec3(given.positions);
   std::vector<Images> faces(mesh.vertex_count());
@@ -219,7 +220,7 @@ TEST(Perturb, HasTheSameBitsForAnyNumberOfThreads) {
       std::vector<Vec3> corners(mesh.half_edge_count());
       EXPECT_TRUE(FirstRefinement(Context(), mesh, given.positions, absl::MakeSpan(corners)).ok());
       EXPECT_TRUE(
-          PerturbToInterpolate(Context(), mesh, given.positions, absl::MakeSpan(corners)).ok());
+          PerturbToInterpolate(Context(), {mesh, given.positions}, absl::MakeSpan(corners)).ok());
       return corners;
     });
   };
@@ -232,7 +233,7 @@ TEST(Perturb, EndsWhenTheJobIsCancelled) {
   cancelled.Cancel();
   const PolygonMesh cube = oracle::Cube();
   std::vector<Vec3> corners(24, Vec3{0, 0, 0});
-  oracle::ExpectError(PerturbToInterpolate(cancelled, oracle::BuildOrDie(cube), cube.positions,
+  oracle::ExpectError(PerturbToInterpolate(cancelled, {oracle::BuildOrDie(cube), cube.positions},
                                            absl::MakeSpan(corners)),
                       {Reason::kCancelled});
 }

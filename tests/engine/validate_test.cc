@@ -85,10 +85,16 @@ TEST(Validate, RefusesNoPositions) {
   oracle::ExpectError(Validate({}), {Reason::kEmptyMesh, "mesh.vertices"});
 }
 
-TEST(Validate, DiagnosisOfGoodEdgesIsOk) {
-  for (const char* const name : {"cube", "pillow_3", "double_pyramid_200"}) {
-    EXPECT_TRUE(DiagnoseEdges(oracle::ClosedMesh(name)).ok()) << name;
-  }
+TEST(Validate, IndicesAloneLeaveAritiesToRepair) {
+  PolygonMesh mesh = oracle::Cube();
+  mesh.AddFace({0, 1});
+  mesh.AddFace({});
+  mesh.AddFace({0, 1, 0});
+  EXPECT_TRUE(ValidateIndices(Context(), mesh).ok());
+  oracle::ExpectError(ValidateFaces(Context(), mesh), {Reason::kFaceTooSmall, "mesh.faces", 6});
+  mesh.AddFace({0, 8});
+  oracle::ExpectError(ValidateIndices(Context(), mesh),
+                      {Reason::kIndexOutOfRange, "mesh.faces", 9});
 }
 
 TEST(Validate, EndsWhenTheJobIsCancelled) {

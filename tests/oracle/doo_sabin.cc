@@ -20,7 +20,7 @@ struct Side {
   std::size_t i;
 };
 
-// The two sides of each edge.
+// The sides of each edge: two, or one on a boundary.
 std::vector<std::vector<Side>> SidesOfEdges(const DooSabinMesh& mesh) {
   std::vector<std::vector<Side>> edges;
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
@@ -98,6 +98,7 @@ class Step {
 
   // Faces f (a -> b) and g (b -> a) share the edge: b in f, a in f, a in g, b in g.
   void AddTypeE(std::size_t e) {
+    if (edges_[e].size() < 2) return;
     const Side f = edges_[e][0];
     const Side g = edges_[e][1];
     const int a = mesh_.faces[f.face][f.i];
@@ -120,6 +121,8 @@ class Step {
       const auto e = static_cast<std::size_t>(mesh_.sides[at.face][entering.i]);
       face.push_back(Image(at.face, at.i));
       sides.push_back(Across(e, vertex));
+      // A boundary vertex has no face of type V.
+      if (edges_[e].size() < 2) return;
       at = OtherSide(edges_[e], entering);
     } while (at.face != start.face || at.i != start.i);
     refined_.faces.push_back(face);
@@ -296,10 +299,12 @@ DooSabinMesh Refine(const DooSabinMesh& mesh, const Tiling& tiling) {
   const int first_face = first_edge + static_cast<int>(tile_edges.size());
   refined.tile_vertex = mesh.tile_vertex;
   for (const std::vector<Side>& edge : step.edges()) {
+    if (edge.size() < 2) continue;
     const auto key = EdgeKey(mesh.tile_vertex[edge[0].face], mesh.tile_vertex[edge[1].face]);
     refined.tile_vertex.push_back(first_edge + tile_edges.at(key));
   }
   for (const int tile : TileOfVertex(mesh, tiling)) {
+    if (tile < 0) continue;
     refined.tile_vertex.push_back(first_face + tile);
   }
   return refined;
@@ -333,7 +338,8 @@ std::vector<int> TileOfVertex(const DooSabinMesh& mesh, const Tiling& tiling) {
   std::vector<int> tiles;
   for (Face& key : around) {
     std::sort(key.begin(), key.end());
-    tiles.push_back(tile_of.at(key));
+    const auto tile = tile_of.find(key);
+    tiles.push_back(tile == tile_of.end() ? -1 : tile->second);
   }
   return tiles;
 }

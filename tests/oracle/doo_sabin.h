@@ -63,7 +63,7 @@ DooSabinMesh Refine(const DooSabinMesh& mesh, const Tiling& tiling);
 void Perturb(const Points& given, DooSabinMesh* first_refined);
 
 // Face of T^k that each vertex of M^k, k >= 1, stands for: the one whose vertices stand for the
-// faces around it. tiling: T^k.
+// faces around it; -1 for ghosts. tiling: T^k.
 std::vector<int> TileOfVertex(const DooSabinMesh& mesh, const Tiling& tiling);
 
 // The points of M^k in the order of the faces of T^k.

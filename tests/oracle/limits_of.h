@@ -19,15 +19,15 @@ inline std::vector<Vec3> LimitsOf(const HalfEdgeMesh& mesh, const LimitStencil& 
   const auto limit = LimitOperator::Make(context, mesh, stencil);
   EXPECT_TRUE(limit.ok()) << limit.status();
   std::vector<Vec3> slots(points.size());
-  std::vector<Vec3> centroids(mesh.face_count());
+  std::vector<Vec3> values(limit->face_value_count());
   std::vector<Vec3> limit_slots(points.size());
   std::vector<Vec3> limits(points.size());
   double largest = 0;
   EXPECT_TRUE(limit->ToSlots(context, points, absl::MakeSpan(slots)).ok());
-  EXPECT_TRUE(limit->FaceCentroids(context, slots, absl::MakeSpan(centroids)).ok());
+  EXPECT_TRUE(limit->FaceValues(context, slots, absl::MakeSpan(values)).ok());
   EXPECT_TRUE(limit
                   ->VisitLimits(
-                      context, slots.data(), centroids.data(),
+                      context, slots.data(), values.data(),
                       [&](Index slot, const Vec3& point) {
                         limit_slots[slot] = point;
                         return 0.0;

@@ -32,9 +32,9 @@ inline DooSabinSurface SurfaceOf(const PolygonMesh& given) {
   surface.corners.resize(surface.mesh.half_edge_count());
   EXPECT_TRUE(
       FirstRefinement(context, surface.mesh, control, absl::MakeSpan(surface.corners)).ok());
-  EXPECT_TRUE(
-      PerturbToInterpolate(context, surface.mesh, given.positions, absl::MakeSpan(surface.corners))
-          .ok());
+  EXPECT_TRUE(PerturbToInterpolate(context, {surface.mesh, given.positions},
+                                   absl::MakeSpan(surface.corners))
+                  .ok());
   return surface;
 }
 

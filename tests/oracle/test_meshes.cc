@@ -41,39 +41,6 @@ std::vector<Index> Reversed(std::vector<Index> face) {
   return face;
 }
 
-// The boundary of a set of unit cubes, quads facing outwards.
-PolygonMesh CubesSurface(const std::set<std::array<int, 3>>& cubes) {
-  PolygonMesh mesh;
-  std::map<std::array<int, 3>, Index> numbers;
-  const auto number = [&](const std::array<int, 3>& p) {
-    const auto [at, fresh] = numbers.emplace(p, static_cast<Index>(mesh.positions.size()));
-    if (fresh) {
-      mesh.positions.push_back(
-          {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])});
-    }
-    return at->second;
-  };
-  for (const auto& cube : cubes) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      for (const int side : {0, 1}) {
-        std::array<int, 3> neighbour = cube;
-        neighbour[axis] += side == 1 ? 1 : -1;
-        if (cubes.count(neighbour) != 0) continue;
-        std::vector<Index> face;
-        for (const auto& [u, v] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}}) {
-          std::array<int, 3> corner = cube;
-          corner[axis] += side;
-          corner[(axis + 1) % 3] += u;
-          corner[(axis + 2) % 3] += v;
-          face.push_back(number(corner));
-        }
-        Add(&mesh, side == 1 ? face : Reversed(face));
-      }
-    }
-  }
-  return mesh;
-}
-
 // A grid around a torus; the faces are added by `add` from the four corners of each cell.
 PolygonMesh Torus(int around, int across,
                   const std::function<void(PolygonMesh*, const std::array<Index, 4>&)>& add) {
@@ -268,6 +235,38 @@ PolygonMesh TorusOfTriangles(int around, int across) {
 
 PolygonMesh TwoComponents() { return Appended(Tetrahedron(), Cube(), {4, 1, 0}); }
 
+PolygonMesh CubesSurface(const std::set<std::array<int, 3>>& cubes) {
+  PolygonMesh mesh;
+  std::map<std::array<int, 3>, Index> numbers;
+  const auto number = [&](const std::array<int, 3>& p) {
+    const auto [at, fresh] = numbers.emplace(p, static_cast<Index>(mesh.positions.size()));
+    if (fresh) {
+      mesh.positions.push_back(
+          {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])});
+    }
+    return at->second;
+  };
+  for (const auto& cube : cubes) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (const int side : {0, 1}) {
+        std::array<int, 3> neighbour = cube;
+        neighbour[axis] += side == 1 ? 1 : -1;
+        if (cubes.count(neighbour) != 0) continue;
+        std::vector<Index> face;
+        for (const auto& [u, v] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}}) {
+          std::array<int, 3> corner = cube;
+          corner[axis] += side;
+          corner[(axis + 1) % 3] += u;
+          corner[(axis + 2) % 3] += v;
+          face.push_back(number(corner));
+        }
+        Add(&mesh, side == 1 ? face : Reversed(face));
+      }
+    }
+  }
+  return mesh;
+}
+
 PolygonMesh GenusThree() {
   std::set<std::array<int, 3>> cubes;
   for (int x = 0; x < 7; ++x) {
@@ -342,6 +341,26 @@ PolygonMesh Shuffled(const PolygonMesh& mesh, std::uint64_t seed) {
   for (std::size_t v = 0; v < place.size(); ++v) shuffled.positions[place[v]] = mesh.positions[v];
   for (const auto& face : faces) Add(&shuffled, face);
   return shuffled;
+}
+
+PolygonMesh Triangulated(const PolygonMesh& mesh) {
+  PolygonMesh triangles;
+  triangles.positions = mesh.positions;
+  for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+    const auto face = mesh.face(f);
+    if (face.size() == 3) {
+      triangles.AddFace(face);
+      continue;
+    }
+    Vec3 sum = {0, 0, 0};
+    for (const Index v : face) sum += mesh.positions[v];
+    const Index middle = static_cast<Index>(triangles.vertex_count());
+    triangles.positions.push_back((1.0 / static_cast<double>(face.size())) * sum);
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      Add(&triangles, {face[i], face[(i + 1) % face.size()], middle});
+    }
+  }
+  return triangles;
 }
 
 std::vector<std::string> ClosedMeshNames() {

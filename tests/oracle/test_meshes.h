@@ -3,8 +3,10 @@
 // error.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <initializer_list>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -28,6 +30,9 @@ PolygonMesh DoublePyramid(int n);
 // Around the ring and around the tube, at least 3 each.
 PolygonMesh TorusOfQuads(int around, int across);
 PolygonMesh TorusOfTriangles(int around, int across);
+// The boundary of a set of unit cubes, quads facing outwards. Not manifold where cubes touch at an
+// edge or a vertex only.
+PolygonMesh CubesSurface(const std::set<std::array<int, 3>>& cubes);
 // A tetrahedron and, apart from it, a cube.
 PolygonMesh TwoComponents();
 // The surface of a plate of unit cubes with three holes.
@@ -43,6 +48,8 @@ PolygonMesh Jittered(PolygonMesh mesh, std::uint64_t seed, double amount);
 PolygonMesh Moved(PolygonMesh mesh, double factor, const Vec3& offset);
 // Corners, faces and vertices renumbered at random.
 PolygonMesh Shuffled(const PolygonMesh& mesh, std::uint64_t seed);
+// Faces that are not triangles are cut into some, around a new vertex in their middle.
+PolygonMesh Triangulated(const PolygonMesh& mesh);
 
 // Closed meshes of at most 400 vertices, by name; the seeds of random ones are in their names.
 std::vector<std::string> ClosedMeshNames();

@@ -124,18 +124,65 @@ TEST(StallTest, AnUploadThatStandsStillIsEnded) {
   ASSERT_TRUE(call.Write(MakeUpload(MakeHeader(1), MakeSphere(64)).front()));
   const absl::Status status = call.Finish();
   EXPECT_EQ(ReasonOf(status), Reason::kLimitExceeded) << status;
-  EXPECT_EQ(GetErrorDetail(status)->field, "stall-seconds");
+  EXPECT_EQ(GetErrorDetail(status)->limit, "stall-seconds");
+}
+
+TEST(StallTest, AnUploadThatTricklesIsEnded) {
+  ServerOptions options = OnePlace();
+  options.limits.stall_seconds = 1;
+  const std::unique_ptr<Server> server = StartServer(options);
+  RawCall call(server->InProcessChannel(), std::chrono::seconds(15));
+  const std::vector<v1::InterpolateRequest> upload =
+      MakeUpload(MakeHeader(1), MakeSphere(5000), 100);
+  ASSERT_TRUE(call.Write(upload[0]));
+  ASSERT_TRUE(call.Read().has_value());
+  // A message every fifth of a second, so that there is always a sign of life.
+  bool ok = true;
+  for (std::size_t i = 1; ok && i < 50; ++i) {
+    ok = call.Write(upload[i]);
+    std::this_thread::sleep_for(milliseconds(200));
+  }
+  EXPECT_FALSE(ok);
+  const absl::Status status = call.Finish();
+  EXPECT_EQ(ReasonOf(status), Reason::kLimitExceeded) << status;
+  EXPECT_EQ(GetErrorDetail(status)->limit, "min-bytes-per-second");
+}
+
+TEST(StallTest, AReaderThatCrawlsIsEnded) {
+  const EventLog events;
+  ServerOptions options = OnePlace();
+  options.limits.stall_seconds = 1;
+  options.log = events.log();
+  const std::unique_ptr<Server> server = StartServer(options);
+  RawCall call(server->InProcessChannel(), std::chrono::seconds(30));
+  v1::InterpolateHeader header = MakeHeader(3);
+  header.mutable_output()->set_tile_bytes(4096);
+  ASSERT_TRUE(call.Write(MakeUpload(header, MakeSphere(5'000))));
+  bool ok = true;
+  for (int i = 0; ok && i < 100; ++i) {
+    ok = call.Read().has_value();
+    std::this_thread::sleep_for(milliseconds(250));
+  }
+  EXPECT_FALSE(ok);
+  EXPECT_FALSE(call.Finish().ok());
+  EXPECT_NE(events.WaitFor("event=job").find("limit=min-bytes-per-second"), std::string::npos)
+      << events.WaitFor("event=job");
 }
 
 TEST(StallTest, AReaderThatStandsStillIsEndedAndAWorkingOneIsNot) {
+  const EventLog events;
   ServerOptions options = OnePlace();
   options.limits.stall_seconds = 1;
+  options.log = events.log();
   const std::unique_ptr<Server> server = StartServer(options);
   const auto channel = server->InProcessChannel();
   RawCall slow(channel);
   ASSERT_TRUE(slow.Write(MakeUpload(MakeHeader(3), MakeSphere(5'000))));
   std::this_thread::sleep_for(milliseconds(2500));
+  // The stream is cut, which is all that such a client can hear; the log knows why.
   EXPECT_EQ(slow.Finish().code(), absl::StatusCode::kCancelled);
+  const std::string line = events.WaitFor("event=job");
+  EXPECT_NE(line.find("reason=LIMIT_EXCEEDED limit=stall-seconds"), std::string::npos) << line;
   EXPECT_TRUE(PlaceBecomesFree(channel));
 
   // A job that takes longer than the limit is not a stall.

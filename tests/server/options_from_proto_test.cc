@@ -84,6 +84,25 @@ std::vector<FieldCase> InvalidCases() {
        "solve.max_sweeps"},
       {"LevelTooHigh", [](Header& h) { h.mutable_surface()->set_level(11); }, kInvalid,
        "surface.level"},
+      {"ChordToleranceZero", [](Header& h) { h.mutable_surface()->set_chord_tolerance(0); },
+       kInvalid, "surface.chord_tolerance"},
+      {"ChordToleranceNegative", [](Header& h) { h.mutable_surface()->set_chord_tolerance(-1); },
+       kInvalid, "surface.chord_tolerance"},
+      {"ChordToleranceNan",
+       [](Header& h) {
+         h.mutable_surface()->set_chord_tolerance(std::numeric_limits<double>::quiet_NaN());
+       },
+       kInvalid, "surface.chord_tolerance"},
+      {"ChordToleranceInfinite",
+       [](Header& h) {
+         h.mutable_surface()->set_chord_tolerance(std::numeric_limits<double>::infinity());
+       },
+       kInvalid, "surface.chord_tolerance"},
+      {"MoreNormalsThanVertices",
+       [](Header& h) {
+         for (int i = 0; i < 9; ++i) h.mutable_constraints()->add_normals();
+       },
+       kInvalid, "constraints.normals"},
       {"UnknownBoundary",
        [](Header& h) {
          h.mutable_surface()->set_boundary(NoValue<v1::SurfaceOptions::Boundary>());
@@ -117,11 +136,6 @@ std::vector<FieldCase> UnbuiltCases() {
   return {
       {"CatmullClark", [](Header& h) { h.set_scheme(v1::SCHEME_CATMULL_CLARK); }, kNot, "scheme"},
       {"Loop", [](Header& h) { h.set_scheme(v1::SCHEME_LOOP); }, kNot, "scheme"},
-      {"Subset", constraint([](auto* c) { c->mutable_interpolate(); }), kNot,
-       "constraints.interpolate"},
-      {"Normals", constraint([](auto* c) { c->add_normals(); }), kNot, "constraints.normals"},
-      {"ShapeHandles", constraint([](auto* c) { c->add_shape_handles(); }), kNot,
-       "constraints.shape_handles"},
       {"SurfacePoints", constraint([](auto* c) { c->add_surface_points(); }), kNot,
        "constraints.surface_points"},
       {"Creases", constraint([](auto* c) { c->add_creases(); }), kNot, "constraints.creases"},
@@ -134,19 +148,12 @@ std::vector<FieldCase> UnbuiltCases() {
          h.mutable_solve()->set_method(v1::SolveOptions::METHOD_CONJUGATE_GRADIENT);
        },
        kNot, "solve.method"},
-      {"StandardRule",
-       [](Header& h) { h.mutable_solve()->set_rule(v1::SolveOptions::RULE_STANDARD); }, kNot,
-       "solve.rule"},
       {"BilinearRule",
        [](Header& h) { h.mutable_solve()->set_rule(v1::SolveOptions::RULE_BILINEAR_FIRST_STEP); },
        kNot, "solve.rule"},
-      {"Fair", [](Header& h) { h.mutable_solve()->set_fair(true); }, kNot, "solve.fair"},
-      {"ChordTolerance", [](Header& h) { h.mutable_surface()->set_chord_tolerance(0.1); }, kNot,
-       "surface.chord_tolerance"},
       {"Boundary",
        [](Header& h) { h.mutable_surface()->set_boundary(v1::SurfaceOptions::BOUNDARY_NONE); },
        kNot, "surface.boundary"},
-      {"Repair", [](Header& h) { h.mutable_output()->set_repair(true); }, kNot, "output.repair"},
   };
 }
 
@@ -165,8 +172,16 @@ TEST(JobSpecTest, AbsentFieldsTakeTheDefaultsOfTheContract) {
   EXPECT_EQ(spec->engine.solve.method, SolveMethod::kChebyshev);
   EXPECT_EQ(spec->engine.solve.tolerance, 1e-12);
   EXPECT_EQ(spec->engine.solve.max_sweeps, 100U);
+  EXPECT_EQ(spec->engine.rule, FirstRule::kModified);
+  EXPECT_FALSE(spec->engine.fair);
+  EXPECT_FALSE(spec->engine.chord_tolerance.has_value());
+  EXPECT_FALSE(spec->engine.constraints.interpolate.has_value());
+  EXPECT_TRUE(spec->engine.constraints.normals.empty());
+  EXPECT_TRUE(spec->engine.constraints.shape_handles.empty());
   EXPECT_FALSE(spec->send_control_mesh);
   EXPECT_FALSE(spec->send_surface);
+  EXPECT_FALSE(spec->send_normals);
+  EXPECT_FALSE(spec->repair);
   EXPECT_EQ(spec->tiles.encoding, v1::MESH_ENCODING_PACKED);
   EXPECT_EQ(spec->tiles.quantization_bits, 16);
   EXPECT_EQ(spec->tiles.tile_bytes, 512U << 10);
@@ -174,21 +189,28 @@ TEST(JobSpecTest, AbsentFieldsTakeTheDefaultsOfTheContract) {
 
 TEST(JobSpecTest, GivenFieldsReachEngineAndCodec) {
   Header header = ValidHeader();
-  header.mutable_constraints();
+  header.mutable_constraints()->add_shape_handles()->set_value(0.4);
   header.mutable_solve()->set_method(v1::SolveOptions::METHOD_JACOBI);
   header.mutable_solve()->set_tolerance(0);
   header.mutable_solve()->set_max_sweeps(0);
-  header.mutable_solve()->set_rule(v1::SolveOptions::RULE_MODIFIED);
+  header.mutable_solve()->set_rule(v1::SolveOptions::RULE_STANDARD);
+  header.mutable_solve()->set_fair(true);
   header.mutable_solve()->set_strict(true);
   header.mutable_surface()->set_level(5);
   header.mutable_output()->set_encoding(v1::MESH_ENCODING_DRACO_QUANTIZED);
   header.mutable_output()->set_quantization_bits(30);
   header.mutable_output()->set_tile_bytes(1 << 20);
+  header.mutable_output()->set_repair(true);
   const absl::StatusOr<JobSpec> spec = JobSpecFromProto(header);
   ASSERT_TRUE(spec.ok()) << spec.status();
   EXPECT_EQ(spec->engine.solve.method, SolveMethod::kJacobi);
   EXPECT_EQ(spec->engine.solve.tolerance, 0);
   EXPECT_EQ(spec->engine.solve.max_sweeps, 0U);
+  EXPECT_EQ(spec->engine.rule, FirstRule::kStandard);
+  EXPECT_EQ(RuleToProto(spec->engine.rule), v1::SolveOptions::RULE_STANDARD);
+  EXPECT_TRUE(spec->engine.fair);
+  ASSERT_EQ(spec->engine.constraints.shape_handles.size(), 1U);
+  EXPECT_EQ(spec->engine.constraints.shape_handles[0].value, 0.4);
   EXPECT_EQ(spec->engine.level, 5U);
   EXPECT_TRUE(spec->engine.normals);
   EXPECT_EQ(spec->control_mesh.encoding, v1::MESH_ENCODING_DRACO_QUANTIZED);
@@ -196,19 +218,57 @@ TEST(JobSpecTest, GivenFieldsReachEngineAndCodec) {
   EXPECT_EQ(spec->tiles.encoding, v1::MESH_ENCODING_DRACO_QUANTIZED);
   EXPECT_EQ(spec->tiles.quantization_bits, 30);
   EXPECT_EQ(spec->tiles.tile_bytes, 1U << 20);
+  EXPECT_TRUE(spec->repair);
+}
+
+TEST(JobSpecTest, AChordToleranceReachesTheEngineWhereASurfaceIsSent) {
+  Header header = ValidHeader();
+  header.mutable_surface()->set_chord_tolerance(0.25);
+  absl::StatusOr<JobSpec> spec = JobSpecFromProto(header);
+  ASSERT_TRUE(spec.ok()) << spec.status();
+  EXPECT_EQ(spec->engine.chord_tolerance, 0.25);
+  header.mutable_output()->set_surface(false);
+  spec = JobSpecFromProto(header);
+  ASSERT_TRUE(spec.ok()) << spec.status();
+  EXPECT_FALSE(spec->engine.chord_tolerance.has_value());
+  EXPECT_EQ(spec->engine.level, 0U);
+}
+
+TEST(JobSpecTest, PrescribedNormalsAreComputedWhetherTheyAreSentOrNot) {
+  for (const bool surface : {false, true}) {
+    Header header = ValidHeader();
+    header.mutable_output()->set_surface(surface);
+    header.mutable_output()->set_normals(false);
+    absl::StatusOr<JobSpec> spec = JobSpecFromProto(header);
+    ASSERT_TRUE(spec.ok()) << spec.status();
+    EXPECT_FALSE(spec->engine.normals);
+    header.mutable_constraints()->add_normals()->mutable_normal()->set_z(1);
+    spec = JobSpecFromProto(header);
+    ASSERT_TRUE(spec.ok()) << spec.status();
+    EXPECT_TRUE(spec->engine.normals);
+    EXPECT_FALSE(spec->send_normals);
+  }
 }
 
 TEST(JobSpecTest, ErrorsOfTheHeaderReachTheClientWithTheirField) {
   const std::unique_ptr<Server> server = StartServer();
   RawCall call(server->InProcessChannel());
   Header header = MakeHeader(1);
-  header.mutable_constraints()->add_normals();
+  header.mutable_constraints()->add_creases();
   call.Write(MakeUpload(header, MakeSphere(64)));
   call.WritesDone();
   EXPECT_EQ(call.Finish().code(), absl::StatusCode::kUnimplemented);
   const v1::ErrorDetails info = ErrorInfoOf(call.rich_status());
   EXPECT_EQ(info.reason(), "UNIMPLEMENTED");
-  EXPECT_EQ(info.metadata().at("field"), "constraints.normals");
+  EXPECT_EQ(info.metadata().at("field"), "constraints.creases");
+}
+
+TEST(JobSpecTest, RepairIsOffUnlessAskedFor) {
+  Header header;
+  header.mutable_mesh()->set_vertex_count(8);
+  EXPECT_FALSE(JobSpecFromProto(header)->repair);
+  header.mutable_output()->set_repair(true);
+  EXPECT_TRUE(JobSpecFromProto(header)->repair);
 }
 
 }  // namespace

@@ -10,10 +10,10 @@
 #include <string>
 
 #include "engine/base/error.h"
-#include "server/cpu_limit.h"
 #include "server/limits.h"
 #include "server/listen_address.h"
 #include "server/log.h"
+#include "server/machine_limits.h"
 
 namespace limn {
 namespace {
@@ -68,6 +68,19 @@ TEST_F(CgroupTest, NoQuotaAndNonsenseAreNoLimit) {
   EXPECT_EQ(Quota("0::/\n"), std::nullopt);
   EXPECT_EQ(Quota("nonsense"), std::nullopt);
   EXPECT_EQ(Quota(""), std::nullopt);
+}
+
+TEST_F(CgroupTest, MemoryLimitsOfBothVersionsAreRead) {
+  Put("memory.max", "max\n");
+  Put("a/memory.max", "1073741824\n");
+  Put("memory/jobs/memory.limit_in_bytes", "536870912\n");
+  const auto limit = [&](const std::string& membership) {
+    return CgroupMemoryLimit(membership, mount_.string());
+  };
+  EXPECT_EQ(limit("0::/a\n"), 1073741824.0);
+  EXPECT_EQ(limit("0::/a\n9:memory:/jobs\n"), 536870912.0);
+  EXPECT_EQ(limit("0::/\n"), std::nullopt);
+  EXPECT_GT(MemoryLimit(), 1U << 20);
 }
 
 TEST(CpuLimitTest, IsAtLeastOne) { EXPECT_GE(CpuLimit(), 1); }

@@ -4,6 +4,7 @@
 #include <grpcpp/generic/generic_stub.h>
 
 #include <chrono>
+#include <mutex>
 #include <thread>
 
 #include "engine/mesh/generate.h"
@@ -27,6 +28,12 @@ v1::InterpolateHeader MakeHeader(std::uint32_t level) {
   header.mutable_output()->set_control_mesh(true);
   header.mutable_output()->set_surface(true);
   header.mutable_output()->set_normals(true);
+  return header;
+}
+
+v1::InterpolateHeader MakeEvaluateHeader() {
+  v1::InterpolateHeader header = MakeHeader(0);
+  header.clear_output();
   return header;
 }
 
@@ -55,31 +62,57 @@ std::vector<v1::InterpolateRequest> MakeUpload(v1::InterpolateHeader header,
   return upload;
 }
 
-RawCall::RawCall(const std::shared_ptr<grpc::Channel>& channel, std::chrono::milliseconds deadline)
-    : stub_(v1::LimnService::NewStub(channel)) {
-  context_.set_deadline(std::chrono::system_clock::now() + deadline);
-  stream_ = stub_->Interpolate(&context_);
+std::vector<v1::EvaluateRequest> MakeEvaluateUpload(v1::InterpolateHeader header,
+                                                    const PolygonMesh& mesh) {
+  std::vector<v1::EvaluateRequest> upload;
+  for (v1::InterpolateRequest& part : MakeUpload(std::move(header), mesh)) {
+    *upload.emplace_back().mutable_job() = std::move(part);
+  }
+  return upload;
 }
 
-RawCall::~RawCall() {
+namespace {
+
+auto Open(v1::LimnService::Stub& stub, grpc::ClientContext* context, v1::InterpolateRequest*) {
+  return stub.Interpolate(context);
+}
+auto Open(v1::LimnService::Stub& stub, grpc::ClientContext* context, v1::EvaluateRequest*) {
+  return stub.Evaluate(context);
+}
+
+}  // namespace
+
+template <class Request, class Response>
+RawStream<Request, Response>::RawStream(const std::shared_ptr<grpc::Channel>& channel,
+                                        std::chrono::milliseconds deadline)
+    : stub_(v1::LimnService::NewStub(channel)) {
+  context_.set_deadline(std::chrono::system_clock::now() + deadline);
+  stream_ = Open(*stub_, &context_, static_cast<Request*>(nullptr));
+}
+
+template <class Request, class Response>
+RawStream<Request, Response>::~RawStream() {
   context_.TryCancel();
   (void)Finish();
 }
 
-bool RawCall::Write(const std::vector<v1::InterpolateRequest>& requests) {
-  for (const v1::InterpolateRequest& request : requests) {
+template <class Request, class Response>
+bool RawStream<Request, Response>::Write(const std::vector<Request>& requests) {
+  for (const Request& request : requests) {
     if (!Write(request)) return false;
   }
   return true;
 }
 
-std::optional<v1::InterpolateResponse> RawCall::Read() {
-  v1::InterpolateResponse response;
+template <class Request, class Response>
+std::optional<Response> RawStream<Request, Response>::Read() {
+  Response response;
   if (!stream_->Read(&response)) return std::nullopt;
   return response;
 }
 
-absl::Status RawCall::Finish() {
+template <class Request, class Response>
+absl::Status RawStream<Request, Response>::Finish() {
   if (!status_.has_value()) {
     while (Read().has_value()) {
     }
@@ -88,10 +121,39 @@ absl::Status RawCall::Finish() {
   return wire::FromGrpcStatus(*status_);
 }
 
-v1::RichStatus RawCall::rich_status() {
+template <class Request, class Response>
+v1::RichStatus RawStream<Request, Response>::rich_status() {
   v1::RichStatus rich;
   EXPECT_TRUE(rich.ParseFromString(status_->error_details()));
   return rich;
+}
+
+template class RawStream<v1::InterpolateRequest, v1::InterpolateResponse>;
+template class RawStream<v1::EvaluateRequest, v1::EvaluateResponse>;
+
+struct EventLog::Lines {
+  std::mutex mutex;
+  std::vector<std::string> text;
+};
+
+EventLog::EventLog()
+    : lines_(std::make_shared<Lines>()),
+      log_(Log::ToFunction([lines = lines_](std::string_view line) {
+        const std::lock_guard lock(lines->mutex);
+        lines->text.emplace_back(line);
+      })) {}
+
+std::string EventLog::WaitFor(const std::string& text) const {
+  for (int attempt = 0; attempt < 500; ++attempt) {
+    {
+      const std::lock_guard lock(lines_->mutex);
+      for (const std::string& line : lines_->text) {
+        if (line.find(text) != std::string::npos) return line;
+      }
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return "";
 }
 
 Reason ReasonOf(const absl::Status& status) {

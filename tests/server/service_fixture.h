@@ -32,21 +32,25 @@ std::vector<v1::InterpolateRequest> MakeUpload(v1::InterpolateHeader header,
                                                const PolygonMesh& mesh,
                                                std::size_t chunk_bytes = 64 << 10);
 
+// A header that asks for nothing: for Evaluate.
+v1::InterpolateHeader MakeEvaluateHeader();
+
 // A header for a job that runs for minutes if nobody stops it.
 v1::InterpolateHeader MakeEndlessHeader();
 
-// One Interpolate call whose messages the test makes.
-class RawCall {
+// One call whose messages the test makes.
+template <class Request, class Response>
+class RawStream {
  public:
-  explicit RawCall(const std::shared_ptr<grpc::Channel>& channel,
-                   std::chrono::milliseconds deadline = std::chrono::seconds(60));
-  ~RawCall();
+  explicit RawStream(const std::shared_ptr<grpc::Channel>& channel,
+                     std::chrono::milliseconds deadline = std::chrono::seconds(60));
+  ~RawStream();
 
   // False: the call has ended.
-  bool Write(const v1::InterpolateRequest& request) { return stream_->Write(request); }
-  bool Write(const std::vector<v1::InterpolateRequest>& requests);
+  bool Write(const Request& request) { return stream_->Write(request); }
+  bool Write(const std::vector<Request>& requests);
   void WritesDone() { stream_->WritesDone(); }
-  std::optional<v1::InterpolateResponse> Read();
+  std::optional<Response> Read();
   void Cancel() { context_.TryCancel(); }
 
   // Reads and drops the rest. Safe to call again.
@@ -57,9 +61,29 @@ class RawCall {
  private:
   grpc::ClientContext context_;
   std::unique_ptr<v1::LimnService::Stub> stub_;
-  std::unique_ptr<grpc::ClientReaderWriter<v1::InterpolateRequest, v1::InterpolateResponse>>
-      stream_;
+  std::unique_ptr<grpc::ClientReaderWriter<Request, Response>> stream_;
   std::optional<grpc::Status> status_;
+};
+using RawCall = RawStream<v1::InterpolateRequest, v1::InterpolateResponse>;
+using RawEvaluation = RawStream<v1::EvaluateRequest, v1::EvaluateResponse>;
+
+// The same upload, as Evaluate takes it.
+std::vector<v1::EvaluateRequest> MakeEvaluateUpload(v1::InterpolateHeader header,
+                                                    const PolygonMesh& mesh);
+
+// Keeps the lines that a server logs.
+class EventLog {
+ public:
+  EventLog();
+  // For ServerOptions.
+  const std::shared_ptr<Log>& log() const { return log_; }
+  // The first line that holds the text; empty when none comes within some seconds.
+  std::string WaitFor(const std::string& text) const;
+
+ private:
+  struct Lines;
+  std::shared_ptr<Lines> lines_;
+  std::shared_ptr<Log> log_;
 };
 
 // The reason of an error; kInternal's neighbour "nothing" is an ok status, which fails the test.

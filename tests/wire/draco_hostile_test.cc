@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Draco bytes that are cut, flipped, made up or lie about their size: refused, or decoded to a mesh
 // that is sound; quickly, and without much memory. Run it under the address sanitizer too.
-#include <sys/resource.h>
-
 #include <array>
 #include <chrono>
 #include <functional>
@@ -11,6 +9,7 @@
 
 #include "proto/wire/draco_header.h"
 #include "proto/wire/mesh_codec.h"
+#include "tests/engine/allocation_meter.h"
 #include "tests/wire/foreign_draco.h"
 #include "tests/wire/test_meshes.h"
 
@@ -53,19 +52,14 @@ std::vector<std::string> Samples() {
   return samples;
 }
 
-long PeakMegabytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return usage.ru_maxrss >> 10;
-}
-
 void ExpectCheap(const std::function<void()>& work,
                  std::chrono::seconds limit = std::chrono::seconds(1)) {
-  const long before = PeakMegabytes();
+  // Not the process's resident pages: sanitizers keep freed memory for a while.
+  const AllocationMeter meter;
   const auto start = std::chrono::steady_clock::now();
   work();
   EXPECT_LT(std::chrono::steady_clock::now() - start, limit);
-  EXPECT_LT(PeakMegabytes() - before, 64);
+  EXPECT_LT(meter.peak(), std::size_t{64} << 20);
 }
 
 std::string Varint(std::uint32_t value) {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <optional>
 #include <string>
 
 #include "engine/base/error.h"
@@ -92,6 +93,20 @@ TEST(StatusTest, BadInputCarriesErrorInfoAndBadRequest) {
   EXPECT_EQ(bad.field_violations(0).description(), "face 7 names vertex 9. Use less");
 }
 
+TEST(StatusTest, APathThatNamesItsElementIsTheWholePath) {
+  const grpc::Status status = ToGrpcStatus(MakeError(
+      "constraints.normals[3].vertex: no vertex 9",
+      {.reason = Reason::kIndexOutOfRange, .field = "constraints.normals[3].vertex", .index = 3}));
+  v1::BadRequestDetails bad;
+  ASSERT_TRUE(bad.ParseFromString(Details(status).at(kBadRequest)));
+  ASSERT_EQ(bad.field_violations_size(), 1);
+  EXPECT_EQ(bad.field_violations(0).field(), "constraints.normals[3].vertex");
+  const auto back = GetErrorDetail(FromGrpcStatus(status));
+  ASSERT_TRUE(back.has_value());
+  EXPECT_EQ(back->field, "constraints.normals[3].vertex");
+  EXPECT_EQ(back->index, 3U);
+}
+
 TEST(StatusTest, OnlyWhatPassesByItselfCarriesRetryInfo) {
   for (int i = 0; i < kReasons; ++i) {
     const Reason reason = static_cast<Reason>(i);
@@ -100,17 +115,38 @@ TEST(StatusTest, OnlyWhatPassesByItselfCarriesRetryInfo) {
     EXPECT_EQ(details.count(kBadRequest), CodeOf(reason) == absl::StatusCode::kInvalidArgument);
     EXPECT_EQ(details.count(kRetryInfo), CodeOf(reason) == absl::StatusCode::kUnavailable);
   }
-  const auto queue = Details(ToGrpcStatus(MakeError(
-      "the queue is full", {.reason = Reason::kLimitExceeded, .field = std::string(kQueueField)})));
+  const grpc::Status full = ToGrpcStatus(
+      MakeError("the queue is full",
+                {.reason = Reason::kLimitExceeded, .limit = "queue-length", .retryable = true}));
+  const auto queue = Details(full);
+  EXPECT_TRUE(GetErrorDetail(FromGrpcStatus(full))->retryable);
   v1::RetryDetails retry;
   ASSERT_TRUE(retry.ParseFromString(queue.at(kRetryInfo)));
   EXPECT_EQ(retry.retry_delay().seconds(), kRetryDelaySeconds);
-  const auto size = Details(ToGrpcStatus(
-      MakeError("too large", {.reason = Reason::kLimitExceeded, .field = "mesh.vertex_count"})));
-  EXPECT_EQ(size.count(kRetryInfo), 0U);
+  // The name of a field says nothing about it.
+  for (const std::string field : {"mesh.vertex_count", "queue"}) {
+    const grpc::Status size =
+        ToGrpcStatus(MakeError("too large", {.reason = Reason::kLimitExceeded, .field = field}));
+    EXPECT_EQ(Details(size).count(kRetryInfo), 0U);
+    EXPECT_FALSE(GetErrorDetail(FromGrpcStatus(size))->retryable);
+    v1::ErrorDetails info;
+    ASSERT_TRUE(info.ParseFromString(Details(size).at(kErrorInfo)));
+    EXPECT_EQ(info.metadata().at("limit"), field);
+  }
+}
+
+TEST(StatusTest, ALimitIsNamedBesideTheField) {
+  const grpc::Status sent = ToGrpcStatus(MakeError(
+      "too fine",
+      {.reason = Reason::kLimitExceeded, .field = "surface.level", .limit = "max-level"}));
   v1::ErrorDetails info;
-  ASSERT_TRUE(info.ParseFromString(size.at(kErrorInfo)));
-  EXPECT_EQ(info.metadata().at("limit"), "mesh.vertex_count");
+  ASSERT_TRUE(info.ParseFromString(Details(sent).at(kErrorInfo)));
+  EXPECT_EQ(info.metadata().at("field"), "surface.level");
+  EXPECT_EQ(info.metadata().at("limit"), "max-level");
+  const std::optional<ErrorDetail> back = GetErrorDetail(FromGrpcStatus(sent));
+  ASSERT_TRUE(back.has_value());
+  EXPECT_EQ(back->field, "surface.level");
+  EXPECT_EQ(back->limit, "max-level");
 }
 
 TEST(StatusTest, OtherProgramsStatusIsKeptWithItsCode) {

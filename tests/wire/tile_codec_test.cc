@@ -389,5 +389,31 @@ TEST_F(BrokenTileTest, AssemblerAllocatesNoMoreThanCame) {
   ExpectError(assembler.Finish().status(), Reason::kMalformedEncoding, "vertices");
 }
 
+// A prism's caps, at level 0.
+TEST(FitLargestFaceTest, TilesGrowForLargeFacesAndTooLargeOnesAreNamedWithARemedy) {
+  PolygonMesh mesh;
+  const auto polygon = [](Index arity) {
+    std::vector<Index> face(arity);
+    for (Index i = 0; i < arity; ++i) face[i] = i;
+    return face;
+  };
+  mesh.AddFace(polygon(3));
+  TileOptions options;
+  ASSERT_TRUE(FitLargestFace(mesh, true, &options).ok());
+  EXPECT_EQ(options.tile_bytes, TileOptions{}.tile_bytes);
+  mesh.AddFace(polygon(140'000));
+  ASSERT_TRUE(FitLargestFace(mesh, true, &options).ok());
+  EXPECT_GT(options.tile_bytes, 560'000U);
+  options.encoding = v1::MESH_ENCODING_DRACO;
+  const absl::Status draco = FitLargestFace(mesh, true, &options);
+  EXPECT_EQ(GetErrorDetail(draco)->field, "surface.level");
+  EXPECT_EQ(GetErrorDetail(draco)->index, 1U);
+  EXPECT_EQ(draco.code(), absl::StatusCode::kInvalidArgument);
+  mesh.AddFace(polygon(300'000));
+  EXPECT_FALSE(FitLargestFace(mesh, true, &(options = TileOptions{})).ok());
+  options.omit_connectivity = true;
+  EXPECT_TRUE(FitLargestFace(mesh, true, &options).ok());
+}
+
 }  // namespace
 }  // namespace limn::wire

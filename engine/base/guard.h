@@ -10,7 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
 
-namespace limn::wire {
+namespace limn {
 
 // f() (an absl::Status or absl::StatusOr), or OUT_OF_MEMORY when memory ran out, or `otherwise`
 // for any other exception. what: the work, for the message, such as "decoding the mesh".
@@ -31,4 +31,4 @@ auto Guarded(const char* what, Reason otherwise, F&& f) -> decltype(f()) {
   }
 }
 
-}  // namespace limn::wire
+}  // namespace limn

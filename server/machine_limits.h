@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// How many processors this process may really use. oneTBB looks at the affinity mask only, so that
-// in a container with a CPU quota it would start too many threads.
+// How many processors and how much memory this process may really use. oneTBB looks at the affinity
+// mask only, so that in a container with a CPU quota it would start too many threads.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -16,5 +17,12 @@ namespace limn {
 // `mount` ("/sys/fs/cgroup"). Nothing when there is no quota or nothing is readable.
 [[nodiscard]] std::optional<double> CgroupCpuQuota(const std::string& membership,
                                                    const std::string& mount);
+
+// min(memory of the machine, limit of the control group), in bytes.
+[[nodiscard]] std::uint64_t MemoryLimit();
+
+// As CgroupCpuQuota, for memory in bytes: memory.max and memory.limit_in_bytes.
+[[nodiscard]] std::optional<double> CgroupMemoryLimit(const std::string& membership,
+                                                      const std::string& mount);
 
 }  // namespace limn

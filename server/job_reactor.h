@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One Interpolate stream: takes the upload, has the job computed, hands out the answer.
+// One stream that runs a job: takes the upload, has the job computed, hands out the answer, to more
+// input if the rpc takes any.
 #pragma once
 
 #include <grpcpp/server_context.h>
@@ -15,9 +16,9 @@
 
 #include "absl/status/status.h"
 #include "engine/base/context.h"
-#include "limn/v1/interpolate.pb.h"
 #include "proto/wire/chunks.h"
-#include "server/job.h"
+#include "server/client_watch.h"
+#include "server/job_rpcs.h"
 #include "server/service_core.h"
 
 namespace limn {
@@ -29,13 +30,19 @@ namespace limn {
 //
 // One mutex guards everything. gRPC's Start... and Finish are called with it held, which is what
 // keeps their order: their reactions always run on a thread of gRPC, never inside the call.
-class InterpolateReactor final
-    : public grpc::ServerBidiReactor<v1::InterpolateRequest, v1::InterpolateResponse>,
+//
+// After the upload at most one message of input waits beside the one that the job works on; while
+// it does, nothing is read, so that gRPC holds the sender back.
+//
+// Rpc: one of server/job_rpcs.h.
+template <class Rpc>
+class JobReactor final
+    : public grpc::ServerBidiReactor<typename Rpc::Request, typename Rpc::Response>,
       public OpenStream,
-      public std::enable_shared_from_this<InterpolateReactor> {
+      public std::enable_shared_from_this<JobReactor<Rpc>> {
  public:
   // For gRPC. core must outlive it.
-  static InterpolateReactor* Create(ServiceCore& core, grpc::CallbackServerContext* context);
+  static JobReactor* Create(ServiceCore& core, grpc::CallbackServerContext* context);
 
   void OnReadDone(bool ok) override;
   void OnWriteDone(bool ok) override;
@@ -46,29 +53,37 @@ class InterpolateReactor final
   void CheckStall(Clock::time_point now) override;
 
  private:
+  using Request = typename Rpc::Request;
+  using Response = typename Rpc::Response;
   using Lock = std::lock_guard<std::mutex>;
   enum class Phase { kHeader, kUpload, kQueued, kRunning, kDelivering };
 
-  InterpolateReactor(ServiceCore& core, grpc::CallbackServerContext* context);
+  JobReactor(ServiceCore& core, grpc::CallbackServerContext* context);
   void Start();
+  // With the mutex held.
+  void ReadMore();
 
-  // Upload. With the mutex held.
+  // Messages of the client; in job_reactor_upload.cc. With the mutex held.
   [[nodiscard]] absl::Status TakeMessage();
   [[nodiscard]] absl::Status TakeHeader(const v1::InterpolateHeader& header);
   [[nodiscard]] absl::Status TakeChunk(const v1::MeshChunk& chunk);
-  [[nodiscard]] absl::Status EndOfUpload() const;
+  [[nodiscard]] absl::Status TakeInput();
+  [[nodiscard]] absl::Status EndOfRequests();
   [[nodiscard]] Context MakeContext();
-  void Enqueue();
+  [[nodiscard]] absl::Status Enqueue();
 
   // Tasks of the lane and of the delivery threads. Without the mutex.
   void RunJob();
+  [[nodiscard]] absl::Status Compute();
   void EncodeNext();
   void TakeProgress(const ProgressEvent& event);
 
   // Answer. With the mutex held.
+  bool FeedJob();
+  bool WaitsForInput() const;
   void PumpEncoder();
   void TryWrite();
-  void Write(std::unique_ptr<v1::InterpolateResponse> message);
+  void Write(std::unique_ptr<Response> message);
   void WriteProgress();
   void End(const absl::Status& status);
   [[nodiscard]] absl::Status CancelledStatus() const;
@@ -76,26 +91,32 @@ class InterpolateReactor final
 
   ServiceCore& core_;
   grpc::CallbackServerContext* const context_;
-  std::shared_ptr<InterpolateReactor> self_;
+  const std::optional<Clock::time_point> deadline_;
+  std::shared_ptr<JobReactor> self_;
   std::mutex mutex_;
   Phase phase_ = Phase::kHeader;
-  Clock::time_point last_activity_;
+  ClientWatch watch_;
 
   // Upload.
-  v1::InterpolateRequest request_;
+  Request request_;
   std::string request_id_;
   JobSpec spec_;
   std::optional<wire::ChunkAssembler> upload_;
   Clock::time_point phase_start_;
 
+  // Input after the upload.
+  std::optional<Request> input_;
+  bool input_ended_ = false;
+  bool read_paused_ = false;
+
   // Job. `stop_` reaches it while it runs.
   Admission::Ticket ticket_;
   Context stop_;
-  std::unique_ptr<Job> job_;
+  std::unique_ptr<typename Rpc::Job> job_;
 
   // Answer.
-  std::deque<std::unique_ptr<v1::InterpolateResponse>> encoded_;
-  std::unique_ptr<v1::InterpolateResponse> writing_;
+  std::deque<std::unique_ptr<Response>> encoded_;
+  std::unique_ptr<Response> writing_;
   std::optional<v1::Progress> progress_;
   Clock::time_point last_progress_;
   bool encoding_ = false;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "server/cpu_limit.h"
+#include "server/machine_limits.h"
 
 #include <sched.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -50,6 +51,22 @@ std::optional<double> QuotaV1(const std::string& directory) {
   return Ratio(*quota, *period);
 }
 
+std::optional<double> BytesIn(const std::string& file) {
+  const std::optional<std::string> text = ReadFile(file);
+  double bytes = 0;
+  // "max" is no number; version 1 says no limit by a number beyond all memory.
+  if (!text.has_value() || !absl::SimpleAtod(*text, &bytes) || !(bytes > 0)) return std::nullopt;
+  return bytes;
+}
+
+std::optional<double> MemoryV2(const std::string& directory) {
+  return BytesIn(absl::StrCat(directory, "/memory.max"));
+}
+
+std::optional<double> MemoryV1(const std::string& directory) {
+  return BytesIn(absl::StrCat(directory, "/memory.limit_in_bytes"));
+}
+
 std::optional<double> Smaller(std::optional<double> a, std::optional<double> b) {
   if (!a.has_value()) return b;
   if (!b.has_value()) return a;
@@ -69,11 +86,40 @@ std::optional<double> SmallestOnPath(const std::string& mount, std::string path,
   return smallest;
 }
 
-bool HasCpuController(const std::string& controllers) {
+bool HasController(const std::string& controllers, absl::string_view wanted) {
   for (absl::string_view controller : absl::StrSplit(controllers, ',')) {
-    if (controller == "cpu") return true;
+    if (controller == wanted) return true;
   }
   return false;
+}
+
+using Reader = std::optional<double> (*)(const std::string& directory);
+
+// What limits a control group of either version.
+struct Limiter {
+  absl::string_view controller;
+  Reader v1;
+  Reader v2;
+};
+
+std::optional<double> SmallestLimit(const std::string& membership, const std::string& mount,
+                                    const Limiter& limiter) {
+  std::optional<double> smallest;
+  for (absl::string_view line : absl::StrSplit(membership, '\n', absl::SkipEmpty())) {
+    // hierarchy:controllers:path
+    const std::vector<std::string> parts = absl::StrSplit(line, absl::MaxSplits(':', 2));
+    if (parts.size() != 3 || parts[2].empty() || parts[2][0] != '/') continue;
+    const std::string& path = parts[2];
+    if (parts[1].empty()) {
+      smallest = Smaller(smallest, SmallestOnPath(mount, path, limiter.v2));
+    } else if (HasController(parts[1], limiter.controller)) {
+      for (const std::string& directory :
+           {absl::StrCat(mount, "/", limiter.controller), absl::StrCat(mount, "/", parts[1])}) {
+        smallest = Smaller(smallest, SmallestOnPath(directory, path, limiter.v1));
+      }
+    }
+  }
+  return smallest;
 }
 
 int AffinityCount() {
@@ -92,22 +138,11 @@ int AffinityCount() {
 }  // namespace
 
 std::optional<double> CgroupCpuQuota(const std::string& membership, const std::string& mount) {
-  std::optional<double> smallest;
-  for (absl::string_view line : absl::StrSplit(membership, '\n', absl::SkipEmpty())) {
-    // hierarchy:controllers:path
-    const std::vector<std::string> parts = absl::StrSplit(line, absl::MaxSplits(':', 2));
-    if (parts.size() != 3 || parts[2].empty() || parts[2][0] != '/') continue;
-    const std::string& path = parts[2];
-    if (parts[1].empty()) {
-      smallest = Smaller(smallest, SmallestOnPath(mount, path, QuotaV2));
-    } else if (HasCpuController(parts[1])) {
-      for (const std::string& directory :
-           {absl::StrCat(mount, "/cpu"), absl::StrCat(mount, "/", parts[1])}) {
-        smallest = Smaller(smallest, SmallestOnPath(directory, path, QuotaV1));
-      }
-    }
-  }
-  return smallest;
+  return SmallestLimit(membership, mount, {.controller = "cpu", .v1 = QuotaV1, .v2 = QuotaV2});
+}
+
+std::optional<double> CgroupMemoryLimit(const std::string& membership, const std::string& mount) {
+  return SmallestLimit(membership, mount, {.controller = "memory", .v1 = MemoryV1, .v2 = MemoryV2});
 }
 
 int CpuLimit() {
@@ -117,6 +152,20 @@ int CpuLimit() {
   const std::optional<double> quota = CgroupCpuQuota(*membership, "/sys/fs/cgroup");
   if (quota.has_value() && *quota < limit) limit = static_cast<int>(std::ceil(*quota));
   return std::max(1, limit);
+}
+
+std::uint64_t MemoryLimit() {
+  const long pages = sysconf(_SC_PHYS_PAGES);
+  const long page_bytes = sysconf(_SC_PAGESIZE);
+  double bytes = pages > 0 && page_bytes > 0
+                     ? static_cast<double>(pages) * static_cast<double>(page_bytes)
+                     : 1e18;
+  const std::optional<std::string> membership = ReadFile("/proc/self/cgroup");
+  if (membership.has_value()) {
+    const std::optional<double> limit = CgroupMemoryLimit(*membership, "/sys/fs/cgroup");
+    if (limit.has_value()) bytes = std::min(bytes, *limit);
+  }
+  return static_cast<std::uint64_t>(bytes);
 }
 
 }  // namespace limn

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#include "engine/solve/curve_solve.h"
+
+#include <cmath>
+
+#include "engine/base/parallel.h"
+
+namespace limn {
+namespace {
+
+// Walks along a curve away from a vertex. A curve that ends at a fixed vertex goes on as its own
+// point reflection there, so that the control point of the end is the end itself.
+class CurveWalk {
+ public:
+  CurveWalk(const CurveProblem& problem, Index from, bool forward)
+      : problem_(problem), origin_(problem.points[from]), at_(from), forward_(forward) {}
+
+  // The difference of the next point to the point of the start.
+  Vec3 Next() {
+    at_ = forward_ ? problem_.curve.next[at_] : problem_.curve.previous[at_];
+    const Vec3 d = problem_.points[at_] - origin_;
+    const Vec3 value = reflected_ ? shift_ - d : shift_ + d;
+    if (problem_.fixed[at_] != 0) {
+      // x -> 2 value - x.
+      shift_ = 2 * value - shift_;
+      reflected_ = !reflected_;
+      forward_ = !forward_;
+    }
+    return value;
+  }
+
+ private:
+  const CurveProblem& problem_;
+  const Vec3 origin_;
+  Index at_;
+  bool forward_;
+  bool reflected_ = false;
+  Vec3 shift_ = {0, 0, 0};
+};
+
+}  // namespace
+
+absl::Status SolveCurves(const Context& context, const CurveProblem& problem,
+                         absl::Span<Vec3> control) {
+  const double a = problem.stencil.vertex;
+  const double b = problem.stencil.neighbour;
+  // The inverse of (b, a, b) is ratio^|i - j| / root.
+  const double root = std::sqrt(a * a - 4 * b * b);
+  const double ratio = (root - a) / (2 * b);
+  const int terms = static_cast<int>(std::ceil(-56 / std::log2(-ratio)));
+  return ParallelFor(context, control.size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      control[i] = problem.points[i];
+      if (problem.fixed[i] != 0) continue;
+      CurveWalk after(problem, static_cast<Index>(i), true);
+      CurveWalk before(problem, static_cast<Index>(i), false);
+      double weight = 1 / root;
+      Vec3 sum = {0, 0, 0};
+      for (int k = 0; k < terms; ++k) {
+        weight *= ratio;
+        sum += weight * (after.Next() + before.Next());
+      }
+      control[i] += sum;
+    }
+  });
+}
+
+}  // namespace limn

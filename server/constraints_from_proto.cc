@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+#include "server/constraints_from_proto.h"
+
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
+#include "engine/base/error.h"
+
+namespace limn {
+namespace {
+
+absl::Status CheckBuilt(const v1::Constraints& constraints) {
+  struct Kind {
+    bool used;
+    absl::string_view field;
+    absl::string_view feature;
+  };
+  const Kind kinds[] = {
+      {constraints.surface_points_size() > 0, "constraints.surface_points",
+       "constraints at points of the surface are"},
+      {constraints.creases_size() > 0, "constraints.creases", "creases are"},
+      {constraints.corners_size() > 0, "constraints.corners", "sharp vertices are"},
+      {constraints.holes_size() > 0, "constraints.holes", "holes are"},
+      {constraints.has_features(), "constraints.features", "feature values are"},
+  };
+  for (const Kind& kind : kinds) {
+    if (!kind.used) continue;
+    return MakeError(absl::StrCat(kind.field, ": ", kind.feature, " not implemented yet"),
+                     {.reason = Reason::kUnimplemented,
+                      .field = std::string(kind.field),
+                      .remedy = "Leave it out"});
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckCount(absl::string_view field, int count, std::uint64_t vertex_count) {
+  if (vertex_count == 0 || static_cast<std::uint64_t>(count) <= vertex_count) {
+    return absl::OkStatus();
+  }
+  return MakeError(
+      absl::StrCat(field, ": it has ", count, " entries for ", vertex_count, " vertices"),
+      {.reason = Reason::kInvalidOption,
+       .field = std::string(field),
+       .remedy = "Name each vertex at most once"});
+}
+
+absl::Status CheckCounts(const v1::Constraints& constraints, std::uint64_t vertex_count) {
+  LIMN_RETURN_IF_ERROR(CheckCount("constraints.interpolate.vertices",
+                                  constraints.interpolate().vertices_size(), vertex_count));
+  LIMN_RETURN_IF_ERROR(CheckCount("constraints.normals", constraints.normals_size(), vertex_count));
+  return CheckCount("constraints.shape_handles", constraints.shape_handles_size(), vertex_count);
+}
+
+absl::Status ReadNormals(const v1::Constraints& constraints, std::vector<NormalConstraint>* out) {
+  out->reserve(static_cast<std::size_t>(constraints.normals_size()));
+  for (const v1::NormalConstraint& entry : constraints.normals()) {
+    if (!entry.has_normal()) {
+      std::string field = absl::StrCat("constraints.normals[", out->size(), "].normal");
+      std::string message = absl::StrCat(field, ": it is missing");
+      return MakeError(message, {.reason = Reason::kInvalidOption,
+                                 .field = std::move(field),
+                                 .index = out->size(),
+                                 .remedy = "Give a direction of any length above zero"});
+    }
+    const v1::Vector3& normal = entry.normal();
+    out->push_back({.vertex = entry.vertex(), .normal = {normal.x(), normal.y(), normal.z()}});
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<Constraints> ConstraintsFromProto(const v1::Constraints& constraints,
+                                                 std::uint64_t vertex_count) {
+  LIMN_RETURN_IF_ERROR(CheckBuilt(constraints));
+  LIMN_RETURN_IF_ERROR(CheckCounts(constraints, vertex_count));
+  Constraints out;
+  if (constraints.has_interpolate()) {
+    const auto& vertices = constraints.interpolate().vertices();
+    out.interpolate.emplace(vertices.begin(), vertices.end());
+  }
+  LIMN_RETURN_IF_ERROR(ReadNormals(constraints, &out.normals));
+  out.shape_handles.reserve(static_cast<std::size_t>(constraints.shape_handles_size()));
+  for (const v1::ShapeHandle& handle : constraints.shape_handles()) {
+    out.shape_handles.push_back({.vertex = handle.vertex(), .value = handle.value()});
+  }
+  return out;
+}
+
+std::uint64_t ConstraintBytes(const Constraints& constraints) {
+  const std::size_t subset =
+      constraints.interpolate.has_value() ? constraints.interpolate->size() : 0;
+  return subset * sizeof(Index) + constraints.normals.size() * sizeof(NormalConstraint) +
+         constraints.shape_handles.size() * sizeof(ShapeHandle);
+}
+
+}  // namespace limn

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+// Constraints follow their vertices through repair.
+#include "engine/constraints/renumber.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "tests/oracle/expect.h"
+
+namespace limn {
+namespace {
+
+// Of five input vertices the second is left out and the fourth has become two.
+const std::vector<Index> kOriginal = {0, 2, 3, 4, 3};
+
+TEST(RenumberConstraints, EveryCopyOfAVertexGetsWhatItHad) {
+  Constraints given;
+  given.interpolate = {4, 3, 0};
+  given.normals = {{3, {0, 0, 2}}};
+  given.shape_handles = {{2, 0.5}, {3, 2}};
+  LIMN_ASSERT_OK_AND_ASSIGN(const Constraints result, RenumberConstraints(given, kOriginal));
+  EXPECT_EQ(*result.interpolate, (std::vector<Index>{3, 2, 4, 0}));
+  ASSERT_EQ(result.normals.size(), 2U);
+  EXPECT_EQ(result.normals[0].vertex, 2U);
+  EXPECT_EQ(result.normals[1].vertex, 4U);
+  EXPECT_EQ(result.normals[1].normal, (Vec3{0, 0, 2}));
+  ASSERT_EQ(result.shape_handles.size(), 3U);
+  EXPECT_EQ(result.shape_handles[0].vertex, 1U);
+  EXPECT_EQ(result.shape_handles[2].vertex, 4U);
+  EXPECT_EQ(result.shape_handles[2].value, 2);
+}
+
+TEST(RenumberConstraints, AllVerticesStayAllVertices) {
+  LIMN_ASSERT_OK_AND_ASSIGN(const Constraints result, RenumberConstraints({}, kOriginal));
+  EXPECT_FALSE(result.interpolate.has_value());
+}
+
+TEST(RenumberConstraints, VerticesThatRepairLeftOutAreNamed) {
+  Constraints normal;
+  normal.normals = {{0, {0, 0, 1}}, {1, {0, 0, 1}}};
+  oracle::ExpectError(RenumberConstraints(normal, kOriginal).status(),
+                      {Reason::kInvalidOption, "constraints.normals[1].vertex"});
+  Constraints subset;
+  subset.interpolate = {1};
+  oracle::ExpectError(RenumberConstraints(subset, kOriginal).status(),
+                      {Reason::kInvalidOption, "constraints.interpolate.vertices[0]"});
+  Constraints handle;
+  handle.shape_handles = {{1, 2}};
+  oracle::ExpectError(RenumberConstraints(handle, kOriginal).status(),
+                      {Reason::kInvalidOption, "constraints.shape_handles[0].vertex"});
+}
+
+}  // namespace
+}  // namespace limn

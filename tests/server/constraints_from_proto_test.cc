@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+// Constraints of the contract become the engine's, entry by entry; what has no sensible structure
+// is refused by the path of its field before anything is copied.
+#include "server/constraints_from_proto.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "engine/base/error.h"
+
+namespace limn {
+namespace {
+
+void AddNormal(v1::Constraints* constraints, Index vertex, const Vec3& normal) {
+  v1::NormalConstraint* entry = constraints->add_normals();
+  entry->set_vertex(vertex);
+  entry->mutable_normal()->set_x(normal.x);
+  entry->mutable_normal()->set_y(normal.y);
+  entry->mutable_normal()->set_z(normal.z);
+}
+
+void AddHandle(v1::Constraints* constraints, Index vertex, double value) {
+  v1::ShapeHandle* entry = constraints->add_shape_handles();
+  entry->set_vertex(vertex);
+  entry->set_value(value);
+}
+
+TEST(ConstraintsFromProtoTest, EveryEntryArrivesInItsOrder) {
+  v1::Constraints constraints;
+  for (const Index v : {7U, 0U, 3U}) constraints.mutable_interpolate()->add_vertices(v);
+  AddNormal(&constraints, 3, {1, -2, 0.1});
+  AddNormal(&constraints, 7, {0, 0, -1});
+  AddHandle(&constraints, 6, 0.4);
+  AddHandle(&constraints, 1, 2.5);
+  const absl::StatusOr<Constraints> got = ConstraintsFromProto(constraints, 8);
+  ASSERT_TRUE(got.ok()) << got.status();
+  EXPECT_EQ(got->interpolate, (std::vector<Index>{7, 0, 3}));
+  ASSERT_EQ(got->normals.size(), 2U);
+  EXPECT_EQ(got->normals[0].vertex, 3U);
+  EXPECT_EQ(got->normals[0].normal, (Vec3{1, -2, 0.1}));
+  EXPECT_EQ(got->normals[1].vertex, 7U);
+  EXPECT_EQ(got->normals[1].normal, (Vec3{0, 0, -1}));
+  ASSERT_EQ(got->shape_handles.size(), 2U);
+  EXPECT_EQ(got->shape_handles[0].vertex, 6U);
+  EXPECT_EQ(got->shape_handles[0].value, 0.4);
+  EXPECT_EQ(got->shape_handles[1].vertex, 1U);
+  EXPECT_EQ(got->shape_handles[1].value, 2.5);
+  EXPECT_EQ(ConstraintBytes(*got), 3 * 4 + 2 * sizeof(NormalConstraint) + 2 * sizeof(ShapeHandle));
+}
+
+TEST(ConstraintsFromProtoTest, AnAbsentSubsetIsAllVerticesAndAnEmptyOneIsNone) {
+  const absl::StatusOr<Constraints> absent = ConstraintsFromProto({}, 8);
+  ASSERT_TRUE(absent.ok());
+  EXPECT_FALSE(absent->interpolate.has_value());
+  EXPECT_EQ(ConstraintBytes(*absent), 0U);
+  v1::Constraints constraints;
+  constraints.mutable_interpolate();
+  const absl::StatusOr<Constraints> none = ConstraintsFromProto(constraints, 8);
+  ASSERT_TRUE(none.ok());
+  ASSERT_TRUE(none->interpolate.has_value());
+  EXPECT_TRUE(none->interpolate->empty());
+}
+
+// Ranges are for ValidateConstraints, which knows the mesh.
+TEST(ConstraintsFromProtoTest, ValuesAreHandedOnUnchecked) {
+  v1::Constraints constraints;
+  constraints.mutable_interpolate()->add_vertices(kNoIndex);
+  AddNormal(&constraints, 99, {0, 0, 0});
+  AddHandle(&constraints, 99, -std::numeric_limits<double>::infinity());
+  const absl::StatusOr<Constraints> got = ConstraintsFromProto(constraints, 8);
+  ASSERT_TRUE(got.ok()) << got.status();
+  EXPECT_EQ(got->interpolate->front(), kNoIndex);
+  EXPECT_EQ(got->shape_handles[0].value, -std::numeric_limits<double>::infinity());
+}
+
+struct BadCase {
+  std::string name;
+  std::function<void(v1::Constraints*)> add;
+  Reason reason;
+  std::string field;
+};
+
+void PrintTo(const BadCase& c, std::ostream* out) { *out << c.name; }
+
+class BadConstraintsFromProtoTest : public testing::TestWithParam<BadCase> {};
+
+TEST_P(BadConstraintsFromProtoTest, AreRefusedByField) {
+  v1::Constraints constraints;
+  GetParam().add(&constraints);
+  const absl::Status status = ConstraintsFromProto(constraints, 2).status();
+  const std::optional<ErrorDetail> detail = GetErrorDetail(status);
+  ASSERT_TRUE(detail.has_value());
+  EXPECT_EQ(detail->reason, GetParam().reason) << status;
+  EXPECT_EQ(detail->field, GetParam().field);
+  EXPECT_FALSE(detail->remedy.empty());
+  EXPECT_TRUE(std::string(status.message()).starts_with(GetParam().field + ": ")) << status;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Kinds, BadConstraintsFromProtoTest,
+    testing::Values(BadCase{"TooManyVertices",
+                            [](auto* c) {
+                              for (Index v = 0; v < 3; ++v)
+                                c->mutable_interpolate()->add_vertices(v);
+                            },
+                            Reason::kInvalidOption, "constraints.interpolate.vertices"},
+                    BadCase{"TooManyNormals",
+                            [](auto* c) {
+                              for (Index v = 0; v < 3; ++v) AddNormal(c, v, {0, 0, 1});
+                            },
+                            Reason::kInvalidOption, "constraints.normals"},
+                    BadCase{"TooManyHandles",
+                            [](auto* c) {
+                              for (Index v = 0; v < 3; ++v) AddHandle(c, v, 1);
+                            },
+                            Reason::kInvalidOption, "constraints.shape_handles"},
+                    BadCase{"NormalMissing",
+                            [](auto* c) {
+                              AddNormal(c, 0, {0, 0, 1});
+                              c->add_normals()->set_vertex(1);
+                            },
+                            Reason::kInvalidOption, "constraints.normals[1].normal"},
+                    BadCase{"SurfacePoints", [](auto* c) { c->add_surface_points(); },
+                            Reason::kUnimplemented, "constraints.surface_points"},
+                    BadCase{"Creases", [](auto* c) { c->add_creases(); }, Reason::kUnimplemented,
+                            "constraints.creases"},
+                    BadCase{"Corners", [](auto* c) { c->add_corners(); }, Reason::kUnimplemented,
+                            "constraints.corners"},
+                    BadCase{"Holes", [](auto* c) { c->add_holes(1); }, Reason::kUnimplemented,
+                            "constraints.holes"},
+                    BadCase{"Features", [](auto* c) { c->mutable_features(); },
+                            Reason::kUnimplemented, "constraints.features"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(ConstraintsFromProtoTest, WithoutAClaimOnlyTheMessageBoundsTheLists) {
+  v1::Constraints constraints;
+  for (Index v = 0; v < 1000; ++v) constraints.mutable_interpolate()->add_vertices(v);
+  EXPECT_TRUE(ConstraintsFromProto(constraints, 0).ok());
+}
+
+}  // namespace
+}  // namespace limn

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+// What a job allocates stays below what admission sets aside for it.
+#include "server/job_memory.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "engine/mesh/generate.h"
+#include "proto/wire/mesh_codec.h"
+#include "proto/wire/mesh_memory.h"
+#include "server/admission.h"
+#include "server/job.h"
+#include "tests/engine/allocation_meter.h"
+#include "tests/server/service_fixture.h"
+
+namespace limn {
+namespace {
+
+constexpr v1::MeshEncoding kEncodings[] = {v1::MESH_ENCODING_PACKED, v1::MESH_ENCODING_DRACO,
+                                           v1::MESH_ENCODING_DRACO_QUANTIZED};
+
+PolygonMesh Generate(MeshKind kind, std::uint64_t vertices) {
+  absl::StatusOr<PolygonMesh> mesh = GenerateMesh({.kind = kind, .vertices = vertices, .seed = 1});
+  EXPECT_TRUE(mesh.ok()) << mesh.status();
+  return *std::move(mesh);
+}
+
+// Triangles without a neighbour: three vertices, edges and boundary edges for each face.
+PolygonMesh LoneTriangles(std::uint64_t count) {
+  PolygonMesh mesh;
+  mesh.face_begin.push_back(0);
+  for (std::uint64_t f = 0; f < count; ++f) {
+    for (int i = 0; i < 3; ++i) {
+      mesh.corner_vertex.push_back(static_cast<Index>(mesh.positions.size()));
+      mesh.positions.push_back(
+          {static_cast<double>(f), static_cast<double>(i % 2), static_cast<double>(i / 2)});
+    }
+    mesh.face_begin.push_back(static_cast<Index>(mesh.corner_vertex.size()));
+  }
+  return mesh;
+}
+
+struct Shape {
+  std::string name;
+  PolygonMesh mesh;
+};
+
+std::vector<Shape> Shapes() {
+  std::vector<Shape> shapes;
+  for (const std::uint64_t vertices : {std::uint64_t{200}, std::uint64_t{6000}}) {
+    shapes.push_back({"sphere", Generate(MeshKind::kIrregularSphere, vertices)});
+    shapes.push_back({"torus", Generate(MeshKind::kTorus, vertices)});
+    shapes.push_back({"high genus", Generate(MeshKind::kHighGenus, vertices)});
+    shapes.push_back({"hub", Generate(MeshKind::kHub, vertices)});
+    shapes.push_back({"ngons", Generate(MeshKind::kNgons, vertices)});
+    shapes.push_back({"grid", Generate(MeshKind::kGrid, vertices)});
+    shapes.push_back({"disk", Generate(MeshKind::kDisk, vertices)});
+    shapes.push_back({"triangles", LoneTriangles(vertices / 3)});
+  }
+  for (Shape& shape : shapes) {
+    shape.name += " of " + std::to_string(shape.mesh.vertex_count());
+  }
+  return shapes;
+}
+
+// Runs a job as the server does, and says what it held at the most.
+std::uint64_t PeakOf(const JobSpec& spec, const std::string& encoded) {
+  const AllocationMeter meter;
+  wire::ChunkAssembler upload(encoded.size());
+  {
+    wire::ChunkReader chunks(encoded, 100'000);
+    v1::MeshChunk chunk;
+    while (chunks.Next(&chunk)) EXPECT_TRUE(upload.Add(chunk).ok());
+  }
+  Job job(spec, Context{});
+  absl::Status status = job.Decode(upload.TakeBytes());
+  EXPECT_TRUE(status.ok()) << status;
+  status = job.Run();
+  EXPECT_TRUE(status.ok()) << status;
+  for (bool more = true; more;) {
+    v1::InterpolateResponse message;
+    const absl::StatusOr<bool> next = job.NextMessage(&message);
+    EXPECT_TRUE(next.ok()) << next.status();
+    more = next.ok() && *next;
+  }
+  return meter.peak();
+}
+
+// Of what is estimated for a job of some size, the job uses at least this part: an estimate of
+// everything would be an upper bound too.
+constexpr double kUsedPart = 0.25;
+constexpr std::uint64_t kSomeSize = 5 << 20;
+
+void ExpectBelowEstimate(const Shape& shape, const v1::InterpolateHeader& header,
+                         v1::MeshEncoding upload) {
+  SCOPED_TRACE(shape.name + ", sent as " + v1::MeshEncoding_Name(upload) + ", " +
+               header.ShortDebugString());
+  const auto encoded = wire::EncodeMesh(Context{}, shape.mesh, {.encoding = upload});
+  ASSERT_TRUE(encoded.ok()) << encoded.status();
+  v1::InterpolateHeader claimed = header;
+  *claimed.mutable_mesh() = encoded->header;
+  const absl::StatusOr<JobSpec> spec = JobSpecFromProto(claimed);
+  ASSERT_TRUE(spec.ok()) << spec.status();
+  const std::uint64_t peak = PeakOf(*spec, encoded->bytes);
+  EXPECT_LE(peak, EstimateJobBytes(*spec));
+  if (peak < kSomeSize) return;
+  EXPECT_GE(static_cast<double>(peak), kUsedPart * static_cast<double>(EstimateJobBytes(*spec)));
+}
+
+class JobMemoryTest : public testing::TestWithParam<std::tuple<int, int>> {};
+
+TEST_P(JobMemoryTest, WhatAJobAllocatesIsBelowItsEstimate) {
+  const v1::MeshEncoding upload = kEncodings[std::get<0>(GetParam())];
+  const v1::MeshEncoding answer = kEncodings[std::get<1>(GetParam())];
+  for (const Shape& shape : Shapes()) {
+    for (const std::uint32_t level : {0U, 1U, 2U}) {
+      for (const bool control_mesh : {false, true}) {
+        for (const bool surface : {false, true}) {
+          v1::InterpolateHeader header = MakeHeader(level);
+          header.mutable_output()->set_encoding(answer);
+          header.mutable_output()->set_control_mesh(control_mesh);
+          header.mutable_output()->set_surface(surface);
+          // Decoding does not depend on the level, and the level not on what is not sent.
+          if (level > 0 && (!surface || upload != v1::MESH_ENCODING_PACKED)) continue;
+          ExpectBelowEstimate(shape, header, upload);
+        }
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Encodings, JobMemoryTest,
+                         testing::Combine(testing::Range(0, 3), testing::Range(0, 3)));
+
+TEST(JobEstimateTest, FineQuantizationIsCounted) {
+  const Shape shape{"sphere", Generate(MeshKind::kIrregularSphere, 2000)};
+  for (const std::uint32_t bits : {8U, 16U, 20U, 24U, 30U}) {
+    v1::InterpolateHeader header = MakeHeader(1);
+    header.mutable_output()->set_encoding(v1::MESH_ENCODING_DRACO_QUANTIZED);
+    header.mutable_output()->set_quantization_bits(bits);
+    ExpectBelowEstimate(shape, header, v1::MESH_ENCODING_PACKED);
+  }
+}
+
+TEST(JobEstimateTest, DecodingIsBelowWhatTheBytesSayOfThemselves) {
+  for (const Shape& shape : Shapes()) {
+    for (const v1::MeshEncoding encoding : kEncodings) {
+      SCOPED_TRACE(shape.name + ", " + v1::MeshEncoding_Name(encoding));
+      const auto encoded = wire::EncodeMesh(Context{}, shape.mesh, {.encoding = encoding});
+      ASSERT_TRUE(encoded.ok()) << encoded.status();
+      v1::MeshHeader header = encoded->header;
+      if (encoding != v1::MESH_ENCODING_PACKED) {
+        header.set_vertex_count(0);
+        header.set_face_count(0);
+        header.set_corner_count(0);
+      }
+      const auto estimate = wire::DecodeMemory(header, encoded->bytes);
+      ASSERT_TRUE(estimate.ok()) << estimate.status();
+      const AllocationMeter meter;
+      const auto mesh = wire::DecodeMesh(Context{}, header, encoded->bytes);
+      EXPECT_TRUE(mesh.ok()) << mesh.status();
+      EXPECT_LE(meter.peak(), *estimate);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace limn
