@@ -80,7 +80,7 @@ absl::StatusOr<KrylovResult> WithTrueResidual(LinearSystem* system, const Krylov
     if (!(result.residual <= kGrown * first)) result.broke_down = true;
     if (!(result.residual <= kWorthwhile * before)) break;
   }
-  result.converged = progress.MetBy(result.residual);
+  result.converged = !result.broke_down && progress.MetBy(result.residual);
   result.products = progress.done();
   return result;
 }
@@ -93,6 +93,7 @@ absl::StatusOr<KrylovResult> ConjugateGradient(LinearSystem* system,
   Buffer<Vec3> direction(system->size());
   Buffer<Vec3> image(system->size());
   LanczosMatrix lanczos;
+  double least = 1;
   const auto run = [&](KrylovProgress* progress, absl::Span<Vec3> r,
                        KrylovResult* result) -> absl::Status {
     const auto norm = [&](std::size_t i) { return weights[i] * Dot(r[i], r[i]); };
@@ -108,7 +109,6 @@ absl::StatusOr<KrylovResult> ConjugateGradient(LinearSystem* system,
           [&](std::size_t i) { return weights[i] * Dot(direction[i], image[i]); }, &curvature));
       if (!(curvature > 0)) {
         result->broke_down = true;
-        result->least_eigenvalue = 0;
         return absl::OkStatus();
       }
       const double alpha = rho / curvature;
@@ -134,10 +134,12 @@ absl::StatusOr<KrylovResult> ConjugateGradient(LinearSystem* system,
           system->ForEach([&](std::size_t i) { direction[i] = r[i] + beta * direction[i]; }));
       rho = next;
     }
-    result->least_eigenvalue = std::min(result->least_eigenvalue, lanczos.Least());
+    least = std::min(least, lanczos.Least());
     return absl::OkStatus();
   };
-  return WithTrueResidual(system, options, x, run);
+  LIMN_ASSIGN_OR_RETURN(KrylovResult result, WithTrueResidual(system, options, x, run));
+  result.least_eigenvalue = result.broke_down ? 0 : least;
+  return result;
 }
 
 absl::StatusOr<KrylovResult> BiconjugateGradientStabilized(LinearSystem* system,

@@ -30,9 +30,9 @@ struct KrylovResult {
   // L turned out not to be positive definite, or nothing gets smaller any more.
   bool broke_down = false;
   // The least eigenvalue of L that the residual gave a hint of (Ritz value; never below the least
-  // one but for rounding). 1 before the first step; 0 after a breakdown. Not known, and 1, for
-  // BiconjugateGradientStabilized.
-  double least_eigenvalue = 1;
+  // one but for rounding). 1 where the start is the solution; 0 after a breakdown. 0 from
+  // BiconjugateGradientStabilized, which does not see it.
+  double least_eigenvalue = 0;
   // Largest coordinate of the true residual.
   double residual = 0;
 };

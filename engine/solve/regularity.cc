@@ -88,8 +88,8 @@ absl::StatusOr<bool> CatmullClarkIsSingular(const Context& context, const Surfac
 }
 
 bool IsRegular(const SolveReport& report) {
-  const bool known = report.least_eigenvalue >= kLeastRegularEigenvalue;
-  return report.method == SolveMethod::kConjugateGradient ? known : known || report.converged;
+  return report.least_eigenvalue >= kLeastRegularEigenvalue ||
+         (report.least_eigenvalue == 0 && report.converged);
 }
 
 }  // namespace limn

@@ -24,8 +24,9 @@ inline constexpr double kLeastRegularEigenvalue = 1.0 / 32;
                                                           const SurfaceLevel& level,
                                                           const VertexPlan& plan);
 
-// Whether a solve went as it should: it converged by a method that needs no bound, or no eigenvalue
-// below kLeastRegularEigenvalue is known of. Running out of sweeps alone is no sign of trouble.
+// Whether a solve went as it should: the least eigenvalue is not below kLeastRegularEigenvalue, or
+// nothing is known of it, and the solve converged. Where it is known, running out of sweeps alone is
+// no sign of trouble.
 [[nodiscard]] bool IsRegular(const SolveReport& report);
 
 }  // namespace limn

@@ -261,7 +261,7 @@ absl::Status SolveByConjugateGradients(const Context& context, const LimitOperat
   report->sweeps = result.products;
   report->converged = result.converged;
   report->last_update = result.residual / scale;
-  report->least_eigenvalue = result.broke_down ? 0 : result.least_eigenvalue;
+  report->least_eigenvalue = result.least_eigenvalue;
   return absl::OkStatus();
 }
 

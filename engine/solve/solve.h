@@ -70,7 +70,7 @@ struct SolveReport {
   // Largest coordinate of |I - L X|, computed anew from X, over the bounding box's diagonal.
   double residual = 0;
   // The least eigenvalue of L as far as it is known: the bound that is proved of it, or what
-  // conjugate gradients have seen of it. 0: L has turned out not to be positive definite.
+  // conjugate gradients have seen of it. 0: nothing is known, or L is not positive definite.
   double least_eigenvalue = 0;
 };
 

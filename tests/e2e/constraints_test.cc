@@ -195,8 +195,10 @@ std::vector<BadFile> BadFiles() {
        "constraints.shape_handles[0].value: nan is not"},
       {"HandleInfinite", R"({"shapeHandles": [{"vertex": 4, "value": "Infinity"}]})",
        "constraints.shape_handles[0].value: inf is not"},
-      {"NotBuilt", R"({"creases": [{"vertices": [1, 2], "sharpness": [1]}]})",
-       "constraints.creases: creases are not implemented yet", 3},
+      {"CreasesOfDooSabin", R"({"creases": [{"vertices": [1, 2], "sharpness": [1]}]})",
+       "constraints.creases: creases belong to Catmull-Clark and Loop surfaces"},
+      {"NotBuilt", R"({"features": {}})",
+       "constraints.features: feature values are not implemented yet", 3},
   };
 }
 
