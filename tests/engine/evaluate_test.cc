@@ -103,11 +103,13 @@ TEST_P(EvaluateTest, DerivativesAreDifferenceQuotientsOfDeepRefinement) {
 
 // In pieces of every size, as far as differences of points have digits left.
 TEST_P(EvaluateTest, DerivativesAreDifferenceQuotientsOfPoints) {
+  constexpr std::array<std::pair<double, double>, 3> kPlaces = {
+      {{0.8, 0.3}, {0.2, 0.7}, {0.6, 0.9}}};
   for (Index h = 0; h < surface_.mesh.half_edge_count(); h += 3) {
     for (int k = 0; k <= 20; ++k) {
       const double size = std::ldexp(1, -k);
       // One of three pieces each time, next to (0, 0) and to (1, 1).
-      const auto [x, y] = std::array{std::pair(0.8, 0.3), {0.2, 0.7}, {0.6, 0.9}}[h % 3];
+      const auto [x, y] = kPlaces[h % 3];
       for (const bool far : {false, true}) {
         const auto at = [&](double u, double v) {
           return AtHalfEdge(surface_.mesh, h, far ? 1 - u * size : u * size,

@@ -85,12 +85,6 @@ TEST(Validate, RefusesNoPositions) {
   oracle::ExpectError(Validate({}), {Reason::kEmptyMesh, "mesh.vertices"});
 }
 
-TEST(Validate, DiagnosisOfGoodEdgesIsOk) {
-  for (const char* const name : {"cube", "pillow_3", "double_pyramid_200"}) {
-    EXPECT_TRUE(DiagnoseEdges(oracle::ClosedMesh(name)).ok()) << name;
-  }
-}
-
 TEST(Validate, IndicesAloneLeaveAritiesToRepair) {
   PolygonMesh mesh = oracle::Cube();
   mesh.AddFace({0, 1});
