@@ -21,11 +21,11 @@ namespace limn {
 namespace {
 
 absl::Status OnlyForOthers(std::string field, std::string_view what) {
-  return MakeError(
-      absl::StrCat(field, ": ", std::string(what), " belong to Catmull-Clark and Loop surfaces"),
-      {.reason = Reason::kInvalidOption,
-       .field = std::move(field),
-       .remedy = "Leave them out or choose another scheme"});
+  std::string text =
+      absl::StrCat(field, ": ", std::string(what), " belong to Catmull-Clark and Loop surfaces");
+  return MakeError(text, {.reason = Reason::kInvalidOption,
+                          .field = std::move(field),
+                          .remedy = "Leave them out or choose another scheme"});
 }
 
 absl::Status CheckOptions(const InterpolateOptions& options) {
