@@ -38,7 +38,8 @@
 //   - corners without sharp edges (cusps) and vertices of valence 2: the mean of the normals of the
 //     faces around, weighted by area, to which u x v belongs.
 //
-// Differences to OpenSubdiv 3.5 (PrimvarRefiner::Limit). Points: darts (it takes the smooth mask,
+// Differences to OpenSubdiv 3.5 (PrimvarRefiner::Limit). Points: around what wears off (it takes
+// what is sharp now to be sharp for ever), darts (it takes the smooth mask,
 // which does not hold there), smooth vertices of valence 2 (it takes the vertex itself), meshes
 // with other faces than quads. Tangents, beyond scale and choice of the first edge: darts;
 // boundaries and creases of 3 quads or 4 triangles or more (its masks belong to other rules);
