@@ -25,8 +25,8 @@ inline constexpr double kLeastRegularEigenvalue = 1.0 / 32;
                                                           const VertexPlan& plan);
 
 // Whether a solve went as it should: the least eigenvalue is not below kLeastRegularEigenvalue, or
-// nothing is known of it, and the solve converged. Where it is known, running out of sweeps alone is
-// no sign of trouble.
+// nothing is known of it, and the solve converged. Where it is known, running out of sweeps alone
+// is no sign of trouble.
 [[nodiscard]] bool IsRegular(const SolveReport& report);
 
 }  // namespace limn
