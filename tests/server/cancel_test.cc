@@ -186,9 +186,9 @@ TEST(StallTest, AReaderThatStandsStillIsEndedAndAWorkingOneIsNot) {
   EXPECT_TRUE(PlaceBecomesFree(channel));
 
   // A job that takes longer than the limit is not a stall.
-  v1::InterpolateHeader header = MakeEndlessHeader();
+  const auto upload = MakeUpload(MakeEndlessHeader(), MakeSphere(50'000));
   RawCall working(channel);
-  ASSERT_TRUE(working.Write(MakeUpload(header, MakeSphere(50'000))));
+  ASSERT_TRUE(working.Write(upload));
   const auto start = steady_clock::now();
   while (steady_clock::now() - start < milliseconds(2000)) {
     ASSERT_TRUE(working.Read().has_value()) << working.Finish();

@@ -157,8 +157,9 @@ TEST(EvaluateStallTest, ALongJobIsNoStall) {
   ServerOptions options = OnePlace();
   options.limits.stall_seconds = 1;
   const std::unique_ptr<Server> server = StartServer(options);
+  const auto upload = MakeEvaluateUpload(MakeEndlessEvaluation(), MakeSphere(50'000));
   RawEvaluation call(server->InProcessChannel());
-  ASSERT_TRUE(call.Write(MakeEvaluateUpload(MakeEndlessEvaluation(), MakeSphere(50'000))));
+  ASSERT_TRUE(call.Write(upload));
   const auto start = steady_clock::now();
   while (steady_clock::now() - start < milliseconds(2000)) {
     ASSERT_TRUE(call.Read().has_value()) << call.Finish();
