@@ -5,6 +5,7 @@
 #include <chrono>
 #include <thread>
 
+#include "tests/oracle/slowdown.h"
 #include "tests/server/service_fixture.h"
 
 namespace limn {
@@ -46,9 +47,10 @@ TEST(CancelTest, ARunningJobStopsAndItsPlaceComesBack) {
 TEST(CancelTest, ADeadlineStopsARunningJob) {
   const std::unique_ptr<Server> server = StartServer(OnePlace());
   const auto channel = server->InProcessChannel();
+  const auto upload = MakeUpload(MakeEndlessHeader(), MakeSphere(20'000));
   {
-    RawCall call(channel, milliseconds(700));
-    ASSERT_TRUE(call.Write(MakeUpload(MakeEndlessHeader(), MakeSphere(20'000))));
+    RawCall call(channel, milliseconds(700) * oracle::kSlowdown);
+    ASSERT_TRUE(call.Write(upload));
     EXPECT_EQ(ReasonOf(call.Finish()), Reason::kDeadlineExceeded);
   }
   EXPECT_TRUE(PlaceBecomesFree(channel));
