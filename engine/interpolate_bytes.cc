@@ -34,6 +34,10 @@ struct Counts {
     return {vertices + edges + faces, 2 * edges + half_edges, half_edges, 4 * half_edges,
             2 * boundary};
   }
+  // Every triangle into four.
+  Counts SplitTriangles() const {
+    return {vertices + edges, 2 * edges + half_edges, 4 * faces, 4 * half_edges, 2 * boundary};
+  }
 };
 
 Counts MakeCounts(std::uint64_t vertices, std::uint64_t faces, std::uint64_t corners,
@@ -71,6 +75,15 @@ double BuildPeak(const Counts& n) {
 // A BoundaryCurve.
 double Curve(const Counts& n) { return 3 * Indices(n.boundary) + 3 * Points(n.boundary); }
 
+bool IsCreased(const Constraints& constraints) {
+  return !constraints.creases.empty() || !constraints.corners.empty();
+}
+
+// A Sharpness, with holes.
+double SharpnessBytes(const Counts& n) {
+  return Bytes(n.edges, sizeof(float)) + Bytes(n.vertices, sizeof(float)) + Bytes(n.faces, 1);
+}
+
 // The operator's order of vertices and faces, and the arrays of the iteration; see Solve and
 // SolveControlMesh.
 double SolvePeak(const Counts& n, const InterpolateOptions& options) {
@@ -78,10 +91,23 @@ double SolvePeak(const Counts& n, const InterpolateOptions& options) {
   const double values = images ? n.half_edges : n.faces;
   const double limit = 2 * (Indices(n.half_edges) + Indices(n.vertices) + Indices(n.faces));
   double sweeps = 3 * Points(n.vertices) + Points(values);
+  double weights = 0;
+  if (options.scheme != Scheme::kDooSabin) {
+    // Neighbours, rows and x of the sweep before; conjugate gradients, for symmetric operators or
+    // for others; rows of vertices where something is sharp.
+    const bool creased = IsCreased(options.constraints);
+    sweeps = std::max(sweeps + Points(n.vertices), (creased ? 7 : 5) * Points(n.vertices) +
+                                                       Bytes(n.vertices, sizeof(double)) +
+                                                       Points(values));
+    weights = Indices(n.half_edges) + Bytes(n.vertices, 2 * sizeof(std::uint16_t));
+    if (creased) weights += 4 * Bytes(n.half_edges, sizeof(double)) + SharpnessBytes(n);
+  }
   if (options.solve.method == SolveMethod::kJacobi) {
     sweeps += Bytes(n.vertices, sizeof(double)) + Bytes(values, sizeof(double));
   } else if (options.solve.method == SolveMethod::kGaussSeidel) {
     sweeps += Points(n.faces);
+  } else if (options.solve.method == SolveMethod::kConjugateGradient) {
+    sweeps += 2 * Points(n.vertices) + Bytes(n.vertices, sizeof(double));
   }
   if (images) sweeps = std::max(sweeps, Indices(n.half_edges));
   double known = 0;
@@ -89,7 +115,7 @@ double SolvePeak(const Counts& n, const InterpolateOptions& options) {
     known = 2 * Bytes(n.vertices, 1) + Bytes(n.vertices, sizeof(std::uint16_t));
   }
   if (n.boundary > 0) known += Points(n.vertices) + Points(n.boundary) + 2 * Bytes(n.boundary, 1);
-  return BuiltMesh(n) + limit + sweeps + known;
+  return BuiltMesh(n) + limit + sweeps + weights + known;
 }
 
 // Constraints by vertex.
@@ -114,6 +140,25 @@ double FairBytes(const Counts& n) {
   const Counts split = n.Split();
   return Bytes(n.half_edges, 300) + SplitMesh(split) + Points(split.half_edges) + Curve(split) +
          Indices(2 * n.half_edges) + 2 * Indices(n.vertices + n.faces + 1);
+}
+
+// The same of Catmull-Clark and Loop: T^k with its points, and T^(k+1); then the limits.
+double PrimalSurfacePeak(Counts n, const InterpolateOptions& options) {
+  const bool loop = options.scheme == Scheme::kLoop;
+  double level = BuiltMesh(n) + Points(n.vertices) + SharpnessBytes(n);
+  double peak = level + Points(n.faces);
+  for (std::uint32_t k = 0; k < options.level && peak < kMost; ++k) {
+    n = loop ? n.SplitTriangles() : n.Split();
+    const double next = SplitMesh(n) + Points(n.vertices) + SharpnessBytes(n);
+    peak = std::max(peak, level + next);
+    level = next;
+  }
+  // At level 0 T^1 may be made for limits.
+  const double extra = options.level == 0 ? SplitMesh(n.Split()) + 2 * Points(n.Split().vertices) +
+                                                SharpnessBytes(n.Split())
+                                          : 0;
+  return std::max(peak, level + extra + Points(n.vertices) * (options.normals ? 2 : 1) +
+                            Indices(n.half_edges) + Indices(n.faces + 1));
 }
 
 // The most of the surface's stages. `n`: of the input.
@@ -148,6 +193,11 @@ std::uint64_t EstimateSurfaceBytes(std::uint64_t vertices, std::uint64_t faces,
                                    std::uint64_t boundary_edges) {
   if (!options.surface) return 0;
   Counts n = MakeCounts(vertices, faces, corners, boundary_edges);
+  if (options.scheme == Scheme::kLoop) {
+    for (std::uint32_t k = 0; k < options.level && n.vertices < kMost; ++k) n = n.SplitTriangles();
+    return Saturated(Points(n.vertices) * (options.normals ? 2 : 1) + Indices(n.half_edges) +
+                     Indices(n.faces + 1));
+  }
   for (std::uint32_t k = 1; k < options.level && n.vertices < kMost; ++k) n = n.Split();
   return Saturated(TessellationBytes(n, options));
 }
@@ -160,7 +210,9 @@ std::uint64_t EstimateBytes(std::uint64_t vertices, std::uint64_t faces, std::ui
                          Points(n.boundary) + Indices(n.boundary);
   double peak = control + std::max(BuildPeak(n), SolvePeak(n, options));
   if (options.surface || options.keep_patches)
-    peak = std::max(peak, control + SurfacePeak(n, options));
+    peak = std::max(
+        peak, control + (options.scheme == Scheme::kDooSabin ? SurfacePeak(n, options)
+                                                             : PrimalSurfacePeak(n, options)));
   // Lists of blocks and of runs.
   peak += peak / 64 + 4096;
   return Saturated(peak);

@@ -104,6 +104,8 @@ absl::Status Job::Run() {
   LIMN_ASSIGN_OR_RETURN(InterpolateResult result, std::move(interpolated));
   stages_.insert(stages_.end(), result.stages.begin(), result.stages.end());
   solve_ = result.solve;
+  rule_ = result.rule;
+  bilinear_share_ = result.bilinear_share;
   fairness_ = result.fairness;
   surface_ = std::move(result.surface);
   patches_ = std::move(result.patches);
@@ -134,7 +136,8 @@ absl::Status Job::RepairMesh() {
   mesh_ = std::exchange(repaired_.mesh, PolygonMesh{});
   if (repaired_.report != RepairReport()) {
     mapping_.emplace(repaired_.original_vertex, repaired_.original_face, tile_options_.tile_bytes);
-    LIMN_ASSIGN_OR_RETURN(constraints, RenumberConstraints(constraints, repaired_.original_vertex));
+    LIMN_ASSIGN_OR_RETURN(constraints, RenumberConstraints(constraints, repaired_.original_vertex,
+                                                           repaired_.original_face));
   }
   AddStage("repair", MillisecondsSince(start));
   return absl::OkStatus();
@@ -255,7 +258,7 @@ void Job::FillSummary(v1::Summary* summary) {
   AddStage("encode", encode_milliseconds_);
   summary->set_request_id(spec_.request_id);
   summary->set_server_version(LIMN_VERSION);
-  summary->set_scheme(v1::SCHEME_DOO_SABIN);
+  summary->set_scheme(SchemeToProto(spec_.engine.scheme));
   summary->set_input_vertices(spec_.mesh.vertex_count());
   summary->set_input_faces(spec_.mesh.face_count());
   summary->set_level(spec_.send_surface ? surface_.level : spec_.engine.level);
@@ -265,7 +268,9 @@ void Job::FillSummary(v1::Summary* summary) {
   }
   v1::SolveReport* solve = summary->mutable_solve();
   solve->set_method(MethodToProto(solve_.method));
-  solve->set_rule(RuleToProto(spec_.engine.rule));
+  solve->set_rule(RuleToProto(rule_));
+  solve->set_bilinear_share(bilinear_share_);
+  solve->set_least_eigenvalue(solve_.least_eigenvalue);
   solve->set_sweeps(solve_.sweeps);
   solve->set_converged(solve_.converged);
   solve->set_last_update(solve_.last_update);

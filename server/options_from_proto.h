@@ -45,6 +45,7 @@ struct JobSpec {
 
 // What the engine did, as the contract says it.
 [[nodiscard]] v1::SolveOptions::Method MethodToProto(SolveMethod method);
+[[nodiscard]] v1::Scheme SchemeToProto(Scheme scheme);
 [[nodiscard]] v1::SolveOptions::Rule RuleToProto(FirstRule rule);
 [[nodiscard]] v1::FairnessReport FairnessToProto(const FairnessReport& report);
 [[nodiscard]] v1::RepairReport RepairToProto(const RepairReport& report);

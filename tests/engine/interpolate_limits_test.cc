@@ -57,12 +57,6 @@ TEST(InterpolateLimits, RefusesCoordinatesThatArithmeticCannotTake) {
   }
 }
 
-TEST(InterpolateLimits, SchemesThatAreNotBuiltAnswerUnimplemented) {
-  for (const Scheme scheme : {Scheme::kCatmullClark, Scheme::kLoop}) {
-    ExpectError(Refusal(oracle::Cube(), {.scheme = scheme}), {Reason::kUnimplemented, "scheme"});
-  }
-}
-
 TEST(InterpolateLimits, AChordToleranceAnswersUnimplemented) {
   ExpectError(Refusal(oracle::Cube(), {.chord_tolerance = 0.1}),
               {Reason::kUnimplemented, "surface.chord_tolerance"});
