@@ -270,7 +270,8 @@ TEST_F(CatmullClarkRuleTest, ARuleThatIsNamedIsKept) {
 }
 
 TEST_F(CatmullClarkRuleTest, RegularMeshesKeepTheSchemesOwnRule) {
-  LIMN_ASSERT_OK_AND_ASSIGN(const InterpolateResult result, Run("torus_of_quads", {.strict = true}));
+  LIMN_ASSERT_OK_AND_ASSIGN(const InterpolateResult result,
+                            Run("torus_of_quads", {.strict = true}));
   EXPECT_EQ(result.rule, FirstRule::kStandard);
   EXPECT_EQ(result.bilinear_share, 0);
 }

@@ -14,6 +14,7 @@
 #include "server/admission.h"
 #include "server/job.h"
 #include "tests/engine/allocation_meter.h"
+#include "tests/oracle/slowdown.h"
 #include "tests/server/service_fixture.h"
 
 namespace limn {
@@ -49,7 +50,7 @@ struct Shape {
 
 std::vector<Shape> Shapes() {
   std::vector<Shape> shapes;
-  for (const std::uint64_t vertices : {std::uint64_t{200}, std::uint64_t{6000}}) {
+  for (const std::uint64_t vertices : {200, 6000 / oracle::kSlowdown}) {
     shapes.push_back({"sphere", Generate(MeshKind::kIrregularSphere, vertices)});
     shapes.push_back({"torus", Generate(MeshKind::kTorus, vertices)});
     shapes.push_back({"high genus", Generate(MeshKind::kHighGenus, vertices)});
