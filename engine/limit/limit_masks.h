@@ -59,8 +59,8 @@ struct SectorMask {
 };
 // Where V moves with the curve of E_0 and E_f: on a boundary or a crease.
 [[nodiscard]] SectorMask CreaseMask(RingKind kind, std::size_t f);
-// Where V stays. It is an eigenvector in sectors wide enough that this part shrinks more slowly than
-// E_0 - V does, f >= 3 quads or f >= 4 triangles; else `ends` is 0.
+// Where V stays. It is an eigenvector in sectors wide enough that this part shrinks more slowly
+// than E_0 - V does, f >= 3 quads or f >= 4 triangles; else `ends` is 0.
 [[nodiscard]] SectorMask CornerMask(RingKind kind, std::size_t f);
 
 // At a dart, E_0 the end of the sharp edge, n >= 2: weights of E_i - V and F_i - V (the latter

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "engine/refine/harmonics.h"
+#include "engine/refine/loop_refine.h"
 #include "engine/scheme/sharpness.h"
 
 namespace limn {
@@ -111,7 +112,7 @@ class RingLimit {
       last_ = i;
       ++sharp_edges_;
     }
-    rule_ = RuleOf(ring.corner ? 1 : 0, sharp_edges_);
+    rule_ = RuleOf(ring.corner, sharp_edges_);
   }
 
   Vec3 Point() const {
@@ -197,7 +198,56 @@ class RingLimit {
   VertexRule rule_ = VertexRule::kSmooth;
 };
 
+bool WearsOff(float sharpness) { return sharpness > 0 && sharpness < kSharpForever; }
+
+// Where the vertex goes, as a difference; faces: the centroids of the ring's faces.
+Vec3 RefinedVertex(RingKind kind, const VertexRing& ring) {
+  const std::size_t n = ring.edge.size();
+  VertexBlend blend({0, 0, 0}, ring.corner);
+  for (std::size_t i = 0; i < n; ++i) blend.Add(ring.sharp[i], ring.edge[i]);
+  if (!blend.needs_smooth()) return blend.Point({0, 0, 0});
+  const double m = static_cast<double>(n);
+  if (kind == RingKind::kTriangles) {
+    return blend.Point((LoopNeighbourWeight(n) / m) * Sum(ring.edge));
+  }
+  return blend.Point((1 / (m * m)) * (Sum(ring.edge) + Sum(ring.face)));
+}
+
 }  // namespace
+
+void RefineRing(RingKind kind, bool centroids, VertexRing* ring) {
+  const std::size_t n = ring->edge.size();
+  const bool quads = kind == RingKind::kQuads;
+  if (quads && !centroids) {
+    for (std::size_t i = 0; i < ring->face.size(); ++i) {
+      ring->face[i] = 0.25 * (ring->edge[i] + ring->edge[(i + 1) % n] + ring->face[i]);
+    }
+  }
+  const Vec3 moved = RefinedVertex(kind, *ring);
+  const std::vector<Vec3> ends = ring->edge;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3 middle = 0.5 * ends[i];
+    if (ring->sharp[i] >= 1) {
+      ring->edge[i] = middle - moved;
+      continue;
+    }
+    // Not on the boundary: there is a face to both sides.
+    const std::size_t before = (i + n - 1) % n;
+    const Vec3 smooth = quads ? 0.25 * (ends[i] + ring->face[i] + ring->face[before])
+                              : 0.375 * ends[i] + 0.125 * (ends[before] + ends[(i + 1) % n]);
+    ring->edge[i] = BlendEdge(ring->sharp[i], middle, smooth) - moved;
+  }
+  for (Vec3& face : ring->face) face -= moved;
+  ring->point += moved;
+  for (float& sharpness : ring->sharp) sharpness = Worn(sharpness);
+  ring->corner = Worn(ring->corner);
+}
+
+void SettleRing(RingKind kind, VertexRing* ring) {
+  while (WearsOff(ring->corner) || std::any_of(ring->sharp.begin(), ring->sharp.end(), WearsOff)) {
+    RefineRing(kind, false, ring);
+  }
+}
 
 Vec3 RingPoint(RingKind kind, const VertexRing& ring) { return RingLimit(kind, ring).Point(); }
 

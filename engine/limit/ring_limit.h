@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <vector>
 
 #include "engine/base/vec3.h"
@@ -20,18 +19,18 @@ struct VertexRing {
   // as many of one as of the other; at a boundary one edge more.
   std::vector<Vec3> edge;
   std::vector<Vec3> face;
-  // Whether each edge is sharp; boundary edges are.
-  std::vector<std::uint8_t> sharp;
+  // Sharpness of each edge; boundary edges have kSharpForever.
+  std::vector<float> sharp;
   bool closed = true;
-  // Whether the vertex itself is sharp.
-  bool corner = false;
+  // Sharpness of the vertex itself.
+  float corner = 0;
 
   void Clear() {
     edge.clear();
     face.clear();
     sharp.clear();
     closed = true;
-    corner = false;
+    corner = 0;
   }
 };
 
@@ -47,6 +46,15 @@ struct VertexFrame {
   Vec3 normal = {0, 0, 0};
 };
 
+// The ring of the next level, with what is sharp worn by one refinement. centroids: `face` holds
+// the centroids of faces of any arity, as around the vertices of T^0, instead of the vertices
+// across quads.
+void RefineRing(RingKind kind, bool centroids, VertexRing* ring);
+
+// Refines the ring until nothing of it wears off any more.
+void SettleRing(RingKind kind, VertexRing* ring);
+
+// The ring counts as it is: as if what is sharp stayed so.
 [[nodiscard]] Vec3 RingPoint(RingKind kind, const VertexRing& ring);
 // The same point to the bit, with the rest.
 [[nodiscard]] VertexFrame RingFrame(RingKind kind, const VertexRing& ring);

@@ -33,13 +33,16 @@ struct Level {
   Level(const SurfaceLevel& level, absl::Span<const Vec3> points)
       : mesh(level.mesh), sharpness(level.sharpness), in(points.data()) {}
 
-  bool IsSharp(Index h) const { return sharpness.creased() && sharpness.edge[mesh.edge()[h]] > 0; }
+  float SharpnessOf(Index h) const {
+    return sharpness.creased() ? sharpness.edge[mesh.edge()[h]] : 0;
+  }
   // entering: what VisitFan returned for v.
   template <class Walk>
-  bool IsCorner(const Walk& walk, std::size_t v, Index entering) const {
-    if (sharpness.creased()) return sharpness.vertex[v] > 0;
-    return sharpness.boundary == BoundaryRule::kEdgeAndCorner && entering != kNoIndex &&
-           entering == walk.Prev(mesh.vertex_half_edge()[v]);
+  float CornerSharpness(const Walk& walk, std::size_t v, Index entering) const {
+    if (sharpness.creased()) return sharpness.vertex[v];
+    const bool corner = sharpness.boundary == BoundaryRule::kEdgeAndCorner &&
+                        entering != kNoIndex && entering == walk.Prev(mesh.vertex_half_edge()[v]);
+    return corner ? kSharpForever : 0;
   }
 
   const HalfEdgeMesh& mesh;
@@ -63,10 +66,10 @@ class PlainRings {
     const absl::Span<const Index> twin = level_.mesh.twin();
     const Index start = level_.mesh.vertex_half_edge()[v];
     std::array<Index, kValence> fan = {start};
-    if (level_.IsSharp(start)) return false;
+    if (level_.SharpnessOf(start) > 0) return false;
     for (std::size_t i = 1; i < kValence; ++i) {
       fan[i] = RotateCcw(walk_, twin, fan[i - 1]);
-      if (fan[i] == kNoIndex || fan[i] == start || level_.IsSharp(fan[i])) return false;
+      if (fan[i] == kNoIndex || fan[i] == start || level_.SharpnessOf(fan[i]) > 0) return false;
     }
     if (RotateCcw(walk_, twin, fan.back()) != start) return false;
     const Vec3& point = level_.in[v];
@@ -85,16 +88,17 @@ class PlainRings {
     const HalfEdgeMesh& mesh = level_.mesh;
     const Index entering = VisitFan(walk_, mesh.twin(), mesh.vertex_half_edge()[v], [&](Index h) {
       ring->edge.push_back(End(h) - point);
-      ring->sharp.push_back(level_.IsSharp(h) ? 1 : 0);
+      ring->sharp.push_back(level_.SharpnessOf(h));
       if (kKind == RingKind::kQuads) ring->face.push_back(Across(h) - point);
     });
     if (entering != kNoIndex) {
       ring->closed = false;
       ring->edge.push_back(level_.in[mesh.vertex()[entering]] - point);
-      ring->sharp.push_back(1);
-      ring->sharp[0] = 1;
+      ring->sharp.push_back(kSharpForever);
+      ring->sharp[0] = kSharpForever;
     }
-    ring->corner = level_.IsCorner(walk_, v, entering);
+    ring->corner = level_.CornerSharpness(walk_, v, entering);
+    SettleRing(kRingKind, ring);
   }
 
  private:
@@ -148,47 +152,25 @@ class FirstRings {
   void Gather(std::size_t v, VertexRing* ring) const {
     ring->Clear();
     const Vec3 point = level_.in[v];
+    ring->point = point;
     const HalfEdgeMesh& mesh = level_.mesh;
     const Index entering = VisitFan(walk_, mesh.twin(), mesh.vertex_half_edge()[v], [&](Index h) {
       ring->edge.push_back(level_.in[mesh.vertex()[walk_.Next(h)]] - point);
-      ring->sharp.push_back(level_.IsSharp(h) ? 1 : 0);
+      ring->sharp.push_back(level_.SharpnessOf(h));
       ring->face.push_back(centroids_[mesh.face()[h]] - point);
     });
     if (entering != kNoIndex) {
       ring->closed = false;
       ring->edge.push_back(level_.in[mesh.vertex()[entering]] - point);
-      ring->sharp.push_back(1);
-      ring->sharp[0] = 1;
+      ring->sharp.push_back(kSharpForever);
+      ring->sharp[0] = kSharpForever;
     }
-    ring->corner = level_.IsCorner(walk_, v, entering);
-    Refine(point, ring);
+    ring->corner = level_.CornerSharpness(walk_, v, entering);
+    RefineRing(kRingKind, true, ring);
+    SettleRing(kRingKind, ring);
   }
 
  private:
-  // The vertex by its rule as it is now, then the edges.
-  static void Refine(const Vec3& point, VertexRing* ring) {
-    const std::size_t n = ring->edge.size();
-    VertexBlend blend({0, 0, 0}, ring->corner ? kSharpForever : 0);
-    Vec3 around = {0, 0, 0};
-    for (std::size_t i = 0; i < n; ++i) {
-      blend.Add(ring->sharp[i] != 0 ? kSharpForever : 0, ring->edge[i]);
-      around += ring->edge[i];
-    }
-    for (const Vec3& face : ring->face) around += face;
-    const double inverse = 1.0 / static_cast<double>(n);
-    const Vec3 moved = blend.Point(inverse * inverse * around);
-    for (std::size_t i = 0; i < n; ++i) {
-      if (ring->sharp[i] != 0) {
-        ring->edge[i] = 0.5 * ring->edge[i] - moved;
-      } else {
-        const Vec3 faces = ring->face[i] + ring->face[(i + n - 1) % n];
-        ring->edge[i] = 0.25 * (ring->edge[i] + faces) - moved;
-      }
-    }
-    for (Vec3& face : ring->face) face -= moved;
-    ring->point = point + moved;
-  }
-
   const Level& level_;
   const PolygonWalk walk_;
   const Vec3* centroids_;

@@ -2,10 +2,9 @@
 // Limit points, tangents and normals of Catmull-Clark and Loop surfaces at the vertices of T^k.
 // Masks, their sources and their derivation: engine/limit/limit_masks.h.
 //
-// Rules. A vertex counts as smooth, dart, crease or corner by what is sharp around it now, whatever
-// it will wear down to. While Sharpness::transient is above 0 that is not the limit of the surface
-// near what wears off: refine until it is 0, which is the caller's business. Holes have limits like
-// other faces.
+// Rules. A vertex counts as smooth, dart, crease or corner by what is sharp around it for ever:
+// what wears off is refined away first, around that vertex alone. Holes have limits like other
+// faces.
 //
 // Tangents u and v. After j more refinements the end of edge i of the vertex is at
 //   smooth: S + lambda^j (cos(2 pi i / n) u + sin(2 pi i / n) v) + what shrinks faster,
@@ -20,7 +19,8 @@
 //   corner: the derivatives of the first sharp curve and of the next one counter-clockwise.
 //   corner inside the mesh without sharp edges: as smooth.
 // For meshes from Build, Catmull-Clark's rings are those of T^1, so that faces may have any arity,
-// and the tangents, those of T^1, are shorter by a factor of lambda.
+// and the tangents, those of T^1, are shorter by a factor of lambda; likewise by one for each
+// refinement until what is sharp has worn off.
 //
 // Normals are unit vectors, the direction of u x v: outward for counter-clockwise faces. Where
 // surfaces meet at sharp edges, they are the mean of the surfaces' normals there; (0, 0, 0) where
@@ -38,7 +38,8 @@
 //   - corners without sharp edges (cusps) and vertices of valence 2: the mean of the normals of the
 //     faces around, weighted by area, to which u x v belongs.
 //
-// Differences to OpenSubdiv 3.5 (PrimvarRefiner::Limit). Points: darts (it takes the smooth mask,
+// Differences to OpenSubdiv 3.5 (PrimvarRefiner::Limit). Points: around what wears off (it takes
+// what is sharp now to be sharp for ever), darts (it takes the smooth mask,
 // which does not hold there), smooth vertices of valence 2 (it takes the vertex itself), meshes
 // with other faces than quads. Tangents, beyond scale and choice of the first edge: darts;
 // boundaries and creases of 3 quads or 4 triangles or more (its masks belong to other rules);

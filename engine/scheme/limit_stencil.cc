@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <utility>
 
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
@@ -74,7 +75,8 @@ double LoopTriangleLow(const double* b, std::size_t corners) {
 }  // namespace
 
 bool LimitStencil::uses_edges() const {
-  return std::any_of(rows.begin(), rows.end(), [](const LimitRow& r) { return r.edges != 0; });
+  return !weighted.empty() ||
+         std::any_of(rows.begin(), rows.end(), [](const LimitRow& r) { return r.edges != 0; });
 }
 
 LimitStencil DooSabinModifiedStencil() {
@@ -149,6 +151,21 @@ absl::StatusOr<LimitStencil> LoopStencil(const Context& context, const HalfEdgeM
       },
       &stencil));
   return stencil;
+}
+
+absl::Status SetWeightedRows(const Context& context, std::size_t vertex_count, WeightedRows rows,
+                             LimitStencil* stencil) {
+  if (rows.empty()) return absl::OkStatus();
+  stencil->weighted_row = static_cast<std::uint16_t>(stencil->rows.size());
+  stencil->rows.emplace_back();
+  if (stencil->row_of.empty()) stencil->row_of.resize(vertex_count, 0);
+  stencil->spectrum_low = 0;
+  stencil->weighted = std::move(rows);
+  for (std::size_t r = 0; r < stencil->weighted.vertex.size(); ++r) {
+    if (r % kScanBlock == 0) LIMN_RETURN_IF_ERROR(context.Check());
+    stencil->row_of[stencil->weighted.vertex[r]] = stencil->weighted_row;
+  }
+  return absl::OkStatus();
 }
 
 absl::Status FixVertices(const Context& context, absl::Span<const std::uint8_t> fixed,

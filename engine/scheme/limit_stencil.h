@@ -35,12 +35,30 @@ enum class FaceRule {
   kDooSabinImage,
 };
 
+// Rows of single vertices whose edges and faces differ in weight, as where something is sharp:
+//   limit(v) = V + sum_i edge_i (E_i - V) + sum_i face_i (centroid_i - V),
+// i over the half-edges of the vertex's fan, in order.
+struct WeightedRows {
+  // Vertices, ascending, none on the boundary.
+  std::vector<Index> vertex;
+  // Weights of row r: [begin[r], begin[r + 1]) of edge and face. One more than there are rows.
+  std::vector<std::size_t> begin = {0};
+  std::vector<double> edge;
+  std::vector<double> face;
+
+  bool empty() const { return vertex.empty(); }
+};
+
 // The rows of all vertices, and what is proved of the operator L that they form.
 struct LimitStencil {
+  static constexpr std::uint16_t kNoRow = 0xffff;
   // Distinct rows.
   std::vector<LimitRow> rows;
   // Row of each vertex. Empty: all vertices have rows[0].
   Buffer<std::uint16_t> row_of;
+  // These vertices' row_of is weighted_row, whose weights do not matter. Face rule: the centroid.
+  WeightedRows weighted;
+  std::uint16_t weighted_row = kNoRow;
   FaceRule face_rule = FaceRule::kCentroid;
   // Every eigenvalue of L is within [spectrum_low, spectrum_high]. spectrum_low <= 0: nothing
   // better is proved, L may be singular or indefinite, and methods that need a bound cannot be
@@ -51,7 +69,11 @@ struct LimitStencil {
   const LimitRow& row(std::size_t vertex) const {
     return rows[row_of.empty() ? 0 : row_of[vertex]];
   }
+  // Whether limit points see neighbours' points directly, not through centroids only.
   bool uses_edges() const;
+  // Whether L is similar to a symmetric operator, diag(w) L, for some positive w. Rows of their own
+  // are not.
+  bool symmetric() const { return weighted.empty(); }
 };
 
 // Doo-Sabin with [ZC]'s modified first step, all vertices interpolated: limit(v) =
@@ -95,6 +117,11 @@ struct LimitStencil {
 // DEADLINE_EXCEEDED. Cost: passes over vertices and corners; two bytes a vertex.
 [[nodiscard]] absl::StatusOr<LimitStencil> LoopStencil(const Context& context,
                                                        const HalfEdgeMesh& mesh);
+
+// Gives vertices rows of their own. The bounds of the spectrum are no longer proved: spectrum_low
+// becomes 0. Those that FixVertices has fixed before stay so. Errors: CANCELLED, DEADLINE_EXCEEDED.
+[[nodiscard]] absl::Status SetWeightedRows(const Context& context, std::size_t vertex_count,
+                                           WeightedRows rows, LimitStencil* stencil);
 
 // Gives the vertices whose flag is set the row of an identity: they keep their points, the others
 // see them as they are. What remains is a principal submatrix, similar to a symmetric one, so the

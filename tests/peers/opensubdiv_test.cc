@@ -102,6 +102,8 @@ struct Around {
   std::vector<std::size_t> sharp;
   bool closed = true;
   bool quads = true;
+  // Something wears off.
+  bool transient = false;
 
   std::size_t PlaceOf(std::size_t end) const {
     std::size_t i = 0;
@@ -118,6 +120,9 @@ Around AroundOf(const CreasedLevel& level, std::size_t v) {
       const bool sharp =
           level.sharpness.creased() && level.sharpness.edge[level.mesh.edge()[h]] > 0;
       if (boundary || sharp) around.sharp.push_back(around.ends.size());
+      if (sharp && level.sharpness.edge[level.mesh.edge()[h]] < kSharpForever) {
+        around.transient = true;
+      }
       around.ends.push_back(end);
     };
     const Index entering =
@@ -159,6 +164,8 @@ class LimitComparison {
       const bool own = peer_.VertexSharpness(v) > 0;
       const VertexRule rule = RuleOf(own ? 1 : 0, around.sharp.size());
       // See engine/limit/vertex_limit.h for what is left out.
+      const float sharpness = peer_.VertexSharpness(v);
+      if (around.transient || (sharpness > 0 && sharpness < kSharpForever)) continue;
       if (rule == VertexRule::kDart) continue;
       if (!Loop() && (!around.quads || (IsSmoothRule(rule) && around.ends.size() == 2))) continue;
       ASSERT_LE(Norm(points_[v] - theirs_.points[v]), tolerance_);
