@@ -310,8 +310,8 @@ TEST(RingLimit, CuspsSlitsAndFoldsHaveTheAnswersOfTheHeader) {
 }
 
 // Corners whose planes tend to that of the two curves like 1 / k only: what is given is the mean of
-// the planes at both ends, that of the curve and `across`, whose refinement is half of it and a share
-// of both curves.
+// the planes at both ends, that of the curve and `across`, whose refinement is half of it and a
+// share of both curves.
 TEST(RingLimit, NarrowCornersHaveTheMeanOfThePlanesAtBothEnds) {
   for (const RingKind kind : {RingKind::kQuads, RingKind::kTriangles}) {
     for (const bool regular : {true, false}) {
