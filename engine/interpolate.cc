@@ -17,6 +17,16 @@
 namespace limn {
 namespace {
 
+constexpr char kLevelField[] = "surface.level";
+constexpr char kToleranceField[] = "surface.chord_tolerance";
+
+// The same job at this level.
+InterpolateOptions AtLevel(InterpolateOptions options, std::uint32_t level) {
+  options.level = level;
+  options.finest = level;
+  return options;
+}
+
 absl::Status CheckBytes(const Context& context, const PolygonMesh& mesh,
                         const InterpolateOptions& options, std::uint64_t boundary_edges) {
   const std::uint64_t bytes = EstimateBytes(mesh.vertex_count(), mesh.face_count(),
@@ -25,36 +35,42 @@ absl::Status CheckBytes(const Context& context, const PolygonMesh& mesh,
   return MakeError(absl::StrCat("the job would need ", bytes, " bytes, the limit is ",
                                 context.limits().max_bytes),
                    {.reason = Reason::kLimitExceeded,
-                    .field = "surface.level",
-                    .remedy = "Choose a lower level, send a smaller mesh or raise the limit",
+                    .field = options.chord_tolerance.has_value() ? kToleranceField : kLevelField,
+                    .remedy = "Choose a lower level or a larger tolerance, send a smaller mesh or "
+                              "raise the limit",
                     .limit = "max-job-bytes"});
 }
 
-absl::Status CheckOptions(const Context& context, const PolygonMesh& mesh,
-                          const InterpolateOptions& options) {
-  if (options.chord_tolerance.has_value()) {
-    return MakeError("tessellation to a chord tolerance is not built yet",
-                     {.reason = Reason::kUnimplemented,
-                      .field = "surface.chord_tolerance",
-                      .remedy = "Choose a level"});
-  }
-  LIMN_RETURN_IF_ERROR(ValidateSolveOptions(options.solve));
-  if (options.surface && options.level > context.limits().max_level) {
-    return MakeError(absl::StrCat("the level is ", options.level),
+// Whether this level is allowed, and its numbers and arrays fit. With a chord tolerance
+// options.finest is the level.
+absl::Status CheckLevel(const Context& context, const PolygonMesh& mesh,
+                        const InterpolateOptions& options, std::uint64_t boundary_edges) {
+  const bool chosen = options.chord_tolerance.has_value();
+  const std::uint32_t level = chosen ? options.finest : options.level;
+  if (options.surface && level > context.limits().max_level) {
+    return MakeError(absl::StrCat("the level is ", level),
                      {.reason = Reason::kInvalidOption,
-                      .field = "surface.level",
+                      .field = kLevelField,
                       .remedy = absl::StrCat("It must be at most ", context.limits().max_level)});
   }
   // Half-edges of the finest connectivity, T^(level - 1).
   const double half_edges = std::ldexp(static_cast<double>(mesh.corner_count()),
-                                       options.level < 2 ? 0 : 2 * (options.level - 1));
+                                       level < 2 ? 0 : 2 * (static_cast<int>(level) - 1));
   if (options.surface && half_edges >= kNoIndex) {
     return MakeError(absl::StrCat("the refined mesh would have ", half_edges, " half-edges"),
                      {.reason = Reason::kLimitExceeded,
-                      .field = "surface.level",
-                      .remedy = "Choose a lower level"});
+                      .field = chosen ? kToleranceField : kLevelField,
+                      .remedy = chosen ? "Choose a larger tolerance" : "Choose a lower level"});
   }
-  return CheckBytes(context, mesh, options, 0);
+  return CheckBytes(context, mesh, options, boundary_edges);
+}
+
+absl::Status CheckOptions(const Context& context, const PolygonMesh& mesh,
+                          const InterpolateOptions& options) {
+  LIMN_RETURN_IF_ERROR(ValidateSolveOptions(options.solve));
+  // Level 0 is the least that will be needed.
+  if (options.chord_tolerance.has_value()) return CheckLevel(context, mesh, AtLevel(options, 0), 0);
+  return CheckLevel(context, mesh, options, 0);
 }
 
 // The stages of one job, in order.
@@ -64,6 +80,7 @@ class Pipeline {
       : context_(context),
         input_(input),
         options_(options),
+        level_(options.level),
         frame_{.context = context, .input = input, .options = options},
         job_(options.scheme == Scheme::kDooSabin ? MakeDooSabinJob(&frame_)
                                                  : MakePrimalJob(&frame_)) {}
@@ -77,6 +94,9 @@ class Pipeline {
     }));
     if (options_.surface || options_.keep_patches) LIMN_RETURN_IF_ERROR(job_->StartSurface());
     if (options_.surface) {
+      if (options_.chord_tolerance.has_value()) {
+        LIMN_RETURN_IF_ERROR(frame_.Stage("choose_level", [&] { return FindLevel(); }));
+      }
       LIMN_RETURN_IF_ERROR(frame_.Stage("refine", [&] { return Refine(); }));
       LIMN_RETURN_IF_ERROR(frame_.Stage("limit", [&] { return job_->Tessellate(); }));
     }
@@ -92,8 +112,9 @@ class Pipeline {
     LIMN_ASSIGN_OR_RETURN(HalfEdgeMesh mesh, HalfEdgeMesh::Build(context_, input_));
     LIMN_RETURN_IF_ERROR(ValidateConstraints(context_, options_.constraints, mesh.vertex_count()));
     frame_.plan = VertexPlan(options_.constraints, mesh.vertex_count());
-    if (mesh.boundary_edge_count() > 0) {
-      LIMN_RETURN_IF_ERROR(CheckBytes(context_, input_, options_, mesh.boundary_edge_count()));
+    boundary_edges_ = mesh.boundary_edge_count();
+    if (boundary_edges_ > 0 && !options_.chord_tolerance.has_value()) {
+      LIMN_RETURN_IF_ERROR(CheckBytes(context_, input_, options_, boundary_edges_));
     }
     LIMN_RETURN_IF_ERROR(MoveToOrigin(box));
     return job_->Start(std::move(mesh));
@@ -116,10 +137,17 @@ class Pipeline {
     return absl::OkStatus();
   }
 
+  absl::Status FindLevel() {
+    LIMN_ASSIGN_OR_RETURN(const ChordLevel chosen, job_->ChooseLevel(*options_.chord_tolerance));
+    level_ = chosen.level;
+    frame_.result.chord_bound = chosen.bound;
+    return CheckLevel(context_, input_, AtLevel(options_, level_), boundary_edges_);
+  }
+
   absl::Status Refine() {
-    for (std::uint32_t k = 0; k < options_.level; ++k) {
+    for (std::uint32_t k = 0; k < level_; ++k) {
       LIMN_RETURN_IF_ERROR(job_->Refine());
-      context_.Report({.stage = "refine", .fraction = static_cast<double>(k + 1) / options_.level});
+      context_.Report({.stage = "refine", .fraction = static_cast<double>(k + 1) / level_});
     }
     return absl::OkStatus();
   }
@@ -138,6 +166,9 @@ class Pipeline {
   const Context& context_;
   const PolygonMesh& input_;
   const InterpolateOptions& options_;
+  // Asked for, or chosen.
+  std::uint32_t level_;
+  std::size_t boundary_edges_ = 0;
   Buffer<Vec3> moved_points_;
   JobFrame frame_;
   const std::unique_ptr<SchemeJob> job_;

@@ -47,9 +47,11 @@ struct InterpolateOptions {
   bool fair = false;
   // Refinements of the input's connectivity in the tessellation, 0 to Limits::max_level.
   std::uint32_t level = 2;
-  // Instead of a level: the smallest one whose guaranteed deviation from the limit surface is at
-  // most this, in model units; greater than 0. Not built yet: UNIMPLEMENTED.
+  // Instead of a level: the smallest one whose distance from the limit surface is guaranteed to be
+  // at most this, in model units; greater than 0. See engine/limit/chord_bound.h. Doo-Sabin only.
   std::optional<double> chord_tolerance;
+  // With a chord tolerance: the finest level that may be chosen.
+  std::uint32_t finest = kMaxLevel;
   // Whether to tessellate; without, only the control mesh is found.
   bool surface = true;
   // Whether to compute normals of the tessellation.
@@ -71,6 +73,8 @@ struct InterpolateResult {
   // First refinement used, and its share of the bilinear rule: 0 unless rule is kBilinear.
   FirstRule rule = FirstRule::kModified;
   double bilinear_share = 0;
+  // With a chord tolerance: what is guaranteed of the distance at surface.level.
+  std::optional<double> chord_bound;
   // The limit surface; its first vertices are the limit points of the input's vertices, in order.
   // Empty without `surface`.
   Tessellation surface;
@@ -79,13 +83,13 @@ struct InterpolateResult {
   // With `keep_patches`.
   std::optional<DooSabinSurface> patches;
   // In the order in which they ran: "build", "solve", and with a surface "first_refinement",
-  // "perturb" (both Doo-Sabin's), "fair" if asked for, "refine", "limit".
+  // "perturb" (both Doo-Sabin's), "fair" and "choose_level" if asked for, "refine", "limit".
   std::vector<StageTime> stages;
 };
 
 // Bytes of the arrays that Interpolate holds at its peak for such a mesh and options, the input
-// not counted. Without boundary_edges: of a closed mesh. 64-bit arithmetic; saturates. Cost:
-// constant.
+// not counted. With a chord tolerance: when the finest level is chosen. Without boundary_edges: of
+// a closed mesh. 64-bit arithmetic; saturates. Cost: constant.
 [[nodiscard]] std::uint64_t EstimateBytes(std::uint64_t vertices, std::uint64_t faces,
                                           std::uint64_t corners, const InterpolateOptions& options,
                                           std::uint64_t boundary_edges = 0);

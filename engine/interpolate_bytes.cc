@@ -75,6 +75,11 @@ double BuildPeak(const Counts& n) {
 // A BoundaryCurve.
 double Curve(const Counts& n) { return 3 * Indices(n.boundary) + 3 * Points(n.boundary); }
 
+// The level that is asked for, or the finest that may be chosen.
+std::uint32_t LevelOf(const InterpolateOptions& options) {
+  return options.chord_tolerance.has_value() ? options.finest : options.level;
+}
+
 bool IsCreased(const Constraints& constraints) {
   return !constraints.creases.empty() || !constraints.corners.empty();
 }
@@ -129,10 +134,10 @@ double Plan(const Counts& n, const Constraints& constraints) {
 
 // The tessellation with T^(level - 1), or with the input at level 0.
 double TessellationBytes(const Counts& n, const InterpolateOptions& options) {
-  const Counts surface = options.level == 0 ? n : n.Split();
+  const Counts surface = LevelOf(options) == 0 ? n : n.Split();
   return Points(surface.vertices) * (options.normals ? 2 : 1) +
-         (options.level == 0 ? Indices(n.faces + 1) + Indices(n.half_edges)
-                             : Indices(4 * n.half_edges));
+         (LevelOf(options) == 0 ? Indices(n.faces + 1) + Indices(n.half_edges)
+                                : Indices(4 * n.half_edges));
 }
 
 // What Fair holds beside the patches: some 300 bytes a corner, and T^1 with the points of M^2.
@@ -147,18 +152,26 @@ double PrimalSurfacePeak(Counts n, const InterpolateOptions& options) {
   const bool loop = options.scheme == Scheme::kLoop;
   double level = BuiltMesh(n) + Points(n.vertices) + SharpnessBytes(n);
   double peak = level + Points(n.faces);
-  for (std::uint32_t k = 0; k < options.level && peak < kMost; ++k) {
+  for (std::uint32_t k = 0; k < LevelOf(options) && peak < kMost; ++k) {
     n = loop ? n.SplitTriangles() : n.Split();
     const double next = SplitMesh(n) + Points(n.vertices) + SharpnessBytes(n);
     peak = std::max(peak, level + next);
     level = next;
   }
   // At level 0 T^1 may be made for limits.
-  const double extra = options.level == 0 ? SplitMesh(n.Split()) + 2 * Points(n.Split().vertices) +
-                                                SharpnessBytes(n.Split())
-                                          : 0;
+  const double extra =
+      LevelOf(options) == 0
+          ? SplitMesh(n.Split()) + 2 * Points(n.Split().vertices) + SharpnessBytes(n.Split())
+          : 0;
   return std::max(peak, level + extra + Points(n.vertices) * (options.normals ? 2 : 1) +
                             Indices(n.half_edges) + Indices(n.faces + 1));
+}
+
+// What ChooseLevel holds beside the patches: T^1, M^2 and its bounds.
+double ChooseLevelBytes(const Counts& n) {
+  const Counts split = n.Split();
+  return SplitMesh(split) + Points(split.half_edges) + Bytes(split.half_edges, 280) + Curve(split) +
+         Indices(2 * n.half_edges) + 2 * Indices(n.vertices + n.faces + 1);
 }
 
 // The most of the surface's stages. `n`: of the input.
@@ -167,13 +180,14 @@ double SurfacePeak(Counts n, const InterpolateOptions& options) {
   const double patches = mesh + Points(n.half_edges) + Curve(n);
   double peak = patches;
   if (options.fair) peak += FairBytes(n);
+  if (options.chord_tolerance.has_value()) peak = std::max(peak, patches + ChooseLevelBytes(n));
   if (!options.surface) return peak;
   double fans = options.keep_patches ? patches : 0;
-  if (options.level >= 2) {
+  if (LevelOf(options) >= 2) {
     // At most every vertex and face is extraordinary.
     fans += Indices(2 * n.half_edges) + 2 * Indices(n.vertices + n.faces + 1);
   }
-  for (std::uint32_t k = 1; k < options.level && peak < kMost; ++k) {
+  for (std::uint32_t k = 1; k < LevelOf(options) && peak < kMost; ++k) {
     const Counts split = n.Split();
     const double coarse = mesh;
     mesh = SplitMesh(split);
@@ -194,11 +208,12 @@ std::uint64_t EstimateSurfaceBytes(std::uint64_t vertices, std::uint64_t faces,
   if (!options.surface) return 0;
   Counts n = MakeCounts(vertices, faces, corners, boundary_edges);
   if (options.scheme == Scheme::kLoop) {
-    for (std::uint32_t k = 0; k < options.level && n.vertices < kMost; ++k) n = n.SplitTriangles();
+    for (std::uint32_t k = 0; k < LevelOf(options) && n.vertices < kMost; ++k)
+      n = n.SplitTriangles();
     return Saturated(Points(n.vertices) * (options.normals ? 2 : 1) + Indices(n.half_edges) +
                      Indices(n.faces + 1));
   }
-  for (std::uint32_t k = 1; k < options.level && n.vertices < kMost; ++k) n = n.Split();
+  for (std::uint32_t k = 1; k < LevelOf(options) && n.vertices < kMost; ++k) n = n.Split();
   return Saturated(TessellationBytes(n, options));
 }
 

@@ -10,6 +10,7 @@
 #include "absl/types/span.h"
 #include "engine/base/error.h"
 #include "engine/constraints/renumber.h"
+#include "server/job_memory.h"
 
 namespace limn {
 namespace {
@@ -89,13 +90,14 @@ absl::Status Job::Decode(std::string encoded_mesh) {  // NOLINT(performance-unne
   spec_.mesh.set_vertex_count(mesh_.vertex_count());
   spec_.mesh.set_face_count(mesh_.face_count());
   spec_.mesh.set_corner_count(mesh_.corner_count());
+  FitFinestLevel(context_.limits(), &spec_);
   AddStage("decode", MillisecondsSince(start));
   return absl::OkStatus();
 }
 
 absl::Status Job::Run() {
   if (spec_.repair) LIMN_RETURN_IF_ERROR(RepairMesh());
-  if (spec_.send_surface && spec_.engine.level == 0) {
+  if (spec_.send_surface && spec_.may_have_level_0()) {
     LIMN_RETURN_IF_ERROR(wire::FitLargestFace(mesh_, spec_.engine.normals, &tile_options_));
   }
 
@@ -106,6 +108,7 @@ absl::Status Job::Run() {
   solve_ = result.solve;
   rule_ = result.rule;
   bilinear_share_ = result.bilinear_share;
+  chord_bound_ = result.chord_bound;
   fairness_ = result.fairness;
   surface_ = std::move(result.surface);
   patches_ = std::move(result.patches);
@@ -279,6 +282,7 @@ void Job::FillSummary(v1::Summary* summary) {
   *summary->mutable_certificate() = CertificateToProto(certificate_->Finish());
   summary->mutable_certificate()->set_after_encoding(spec_.send_surface);
 
+  if (chord_bound_.has_value()) summary->set_chord_bound(*chord_bound_);
   if (fairness_.has_value()) *summary->mutable_fairness() = FairnessToProto(*fairness_);
   if (spec_.repair) *summary->mutable_repair() = RepairToProto(repaired_.report);
 

@@ -124,6 +124,7 @@ absl::Status ReadSurface(const v1::SurfaceOptions& surface, InterpolateOptions* 
                      "It is a distance in model units");
     }
     options->chord_tolerance = surface.chord_tolerance();
+    options->level = 0;
   }
   if (surface.fineness_case() == v1::SurfaceOptions::kLevel) {
     if (surface.level() > kMaxLevel) {

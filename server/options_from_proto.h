@@ -32,6 +32,9 @@ struct JobSpec {
   bool send_normals = false;
   wire::MeshEncodeOptions control_mesh;
   wire::TileOptions tiles;
+
+  // Whether the surface may have the mesh's own faces, of any arity.
+  bool may_have_level_0() const { return engine.level == 0 || engine.chord_tolerance.has_value(); }
 };
 
 // Errors: INVALID_OPTION, INDEX_OUT_OF_RANGE and UNIMPLEMENTED, naming the field as in

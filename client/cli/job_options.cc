@@ -84,6 +84,15 @@ std::string CheckTolerance(const std::string& text) {
   return {};
 }
 
+// Empty if the text is a number above 0 and finite.
+std::string CheckDistance(const std::string& text) {
+  double value = 0;
+  if (!CLI::detail::lexical_cast(text, value) || !(value > 0 && std::isfinite(value))) {
+    return "must be a number above 0; got '" + text + "'";
+  }
+  return {};
+}
+
 }  // namespace
 
 void AddSolveFlags(CLI::App& app, JobOptions* options) {
@@ -119,11 +128,18 @@ void AddSolveFlags(CLI::App& app, JobOptions* options) {
 }
 
 void AddTessellationFlags(CLI::App& app, JobOptions* options) {
-  app.add_option("--level", options->level,
-                 absl::StrCat("Refinements of the tessellation, 0 to ", kMaxLevel))
-      ->check(CLI::Range(0U, kMaxLevel))
-      ->capture_default_str()
-      ->type_name("K");
+  CLI::Option* const level =
+      app.add_option("--level", options->level,
+                     absl::StrCat("Refinements of the tessellation, 0 to ", kMaxLevel))
+          ->check(CLI::Range(0U, kMaxLevel))
+          ->capture_default_str()
+          ->type_name("K");
+  app.add_option("--chord-tolerance", options->chord_tolerance,
+                 "Instead of a level: the smallest one that is guaranteed to be this near to the "
+                 "limit surface, in model units (doo-sabin)")
+      ->check(CLI::Validator(CheckDistance, "", "distance"))
+      ->excludes(level)
+      ->type_name("T");
   app.add_option("--encoding", options->encoding,
                  "How meshes travel; draco-quantized is lossy: it moves points and reorders faces")
       ->check(OneOf(kEncodings))
@@ -149,7 +165,11 @@ v1::InterpolateHeader MakeJobHeader(const JobOptions& options, const WantedOutpu
   if (options.tolerance) header.mutable_solve()->set_tolerance(*options.tolerance);
   if (options.max_sweeps) header.mutable_solve()->set_max_sweeps(*options.max_sweeps);
   header.mutable_solve()->set_strict(options.strict);
-  header.mutable_surface()->set_level(options.level);
+  if (options.chord_tolerance) {
+    header.mutable_surface()->set_chord_tolerance(*options.chord_tolerance);
+  } else {
+    header.mutable_surface()->set_level(options.level);
+  }
   if (options.boundary) {
     header.mutable_surface()->set_boundary(ValueOf(kBoundaries, *options.boundary));
   }

@@ -18,6 +18,8 @@ struct JobOptions {
   std::optional<std::string> solver;
   std::string encoding = "packed";
   std::uint32_t level = 2;
+  // Instead of the level.
+  std::optional<double> chord_tolerance;
   std::optional<std::string> rule;
   std::optional<std::string> boundary;
   std::optional<double> tolerance;

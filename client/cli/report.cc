@@ -128,6 +128,9 @@ std::string SummaryTable(const v1::Summary& summary) {
     table += Row("surface vertices", WithCommas(summary.surface_vertices()));
     table += Row("surface faces", WithCommas(summary.surface_faces()) +
                                       absl::StrFormat(" (level %u)", summary.level()));
+    if (summary.has_chord_bound()) {
+      table += Row("from the surface", absl::StrFormat("at most %.3g", summary.chord_bound()));
+    }
   }
   table += Row("sweeps", SolveText(summary.solve()));
   table += CertificateRows(summary.certificate());

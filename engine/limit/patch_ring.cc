@@ -115,16 +115,16 @@ void RingRefiner::Refine() {
   for (std::size_t i = 0; i < ring_.sectors; ++i) grids_[i] = ring_.Refined(i, images_);
 }
 
-void RingRefiner::Advance() {
+void RingRefiner::Advance(double scale) {
   const std::size_t last = ring_.sectors;
-  ring_.center = images_;
+  for (std::size_t i = 0; i < images_.size(); ++i) ring_.center[i] = scale * images_[i];
   for (std::size_t i = 0; i < last; ++i) {
-    ring_.right[i] = grids_[i][1][2];
-    ring_.left[i + 1] = grids_[i][2][1];
-    ring_.diagonal[i] = grids_[i][2][2];
+    ring_.right[i] = scale * grids_[i][1][2];
+    ring_.left[i + 1] = scale * grids_[i][2][1];
+    ring_.diagonal[i] = scale * grids_[i][2][2];
   }
-  ring_.left[0] = grids_[0][0][2];
-  ring_.right[last] = grids_[last - 1][2][0];
+  ring_.left[0] = scale * grids_[0][0][2];
+  ring_.right[last] = scale * grids_[last - 1][2][0];
   Refine();
 }
 

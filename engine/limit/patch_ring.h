@@ -78,8 +78,8 @@ class RingRefiner {
 
   // Refined points of sector i.
   const RefinedGrid& grid(std::size_t i) const { return grids_[i]; }
-  // The ring becomes that of M^(k+1), half as large.
-  void Advance();
+  // The ring becomes that of M^(k+1), half as large, times `scale`.
+  void Advance(double scale = 1);
 
  private:
   void Refine();

@@ -23,20 +23,14 @@ class DirectionCone {
   DirectionCone(const Vec3& normal, const Vec3& axis)
       : normal_(normal), axis_(axis), side_(Cross(normal, axis)) {}
 
-  // Adds a and all vectors that differ from it by up to `in_plane` in the plane and `off_plane`
-  // along the normal.
-  void Add(const Vec3& a, double in_plane = 0, double off_plane = 0) {
+  void Add(const Vec3& a) {
     const double along = Dot(a, axis_);
-    const double sideways = Dot(a, side_);
-    const double least = along - in_plane;
-    least_ = std::min(least_, least);
-    if (!(least > 0)) return;
-    const double most = along + in_plane;
-    const double left = sideways + in_plane;
-    const double right = sideways - in_plane;
-    high_ = std::max(high_, left / (left > 0 ? least : most));
-    low_ = std::min(low_, right / (right < 0 ? least : most));
-    slope_ = std::max(slope_, (std::fabs(Dot(a, normal_)) + off_plane) / least);
+    least_ = std::min(least_, along);
+    if (!(along > 0)) return;
+    const double sideways = Dot(a, side_) / along;
+    high_ = std::max(high_, sideways);
+    low_ = std::min(low_, sideways);
+    slope_ = std::max(slope_, std::fabs(Dot(a, normal_)) / along);
   }
   void Add(const DirectionCone& other) {
     least_ = std::min(least_, other.least_);
@@ -45,7 +39,20 @@ class DirectionCone {
     slope_ = std::max(slope_, other.slope_);
   }
 
-  bool valid() const { return least_ > 0 && std::isfinite(slope_); }
+  // That of all vectors that differ from one in here by up to `in_plane` in the plane and
+  // `off_plane` along the normal: both count most for the shortest.
+  DirectionCone Widened(double in_plane, double off_plane) const {
+    DirectionCone wide = *this;
+    wide.least_ = least_ - in_plane;
+    if (!wide.valid()) return wide;
+    const double part = in_plane / least_;
+    wide.high_ = (high_ + part) / (high_ + part > 0 ? 1 - part : 1 + part);
+    wide.low_ = (low_ - part) / (low_ - part < 0 ? 1 - part : 1 + part);
+    wide.slope_ = (slope_ + off_plane / least_) / (1 - part);
+    return wide;
+  }
+
+  bool valid() const { return least_ > 0 && std::isfinite(slope_) && low_ <= high_; }
   double least() const { return least_; }
   double slope() const { return slope_; }
   const Vec3& axis() const { return axis_; }

@@ -103,6 +103,11 @@ class DooSabinJob : public SchemeJob {
     return absl::OkStatus();
   }
 
+  absl::StatusOr<ChordLevel> ChooseLevel(double tolerance) override {
+    return limn::ChooseLevel(context_, *patches_,
+                             {.tolerance = tolerance, .finest = frame_.options.finest});
+  }
+
   // From M^k to M^(k+1). What T^1 needs is there from the start: its vertices are the faces of M^1.
   absl::Status Refine() override {
     if (++level_ < 2) return absl::OkStatus();

@@ -36,6 +36,12 @@ absl::Status Refuse(Reason reason, std::string field, std::string_view message,
                    {.reason = reason, .field = std::move(field), .remedy = std::string(remedy)});
 }
 
+absl::Status NoChordBound() {
+  return Refuse(Reason::kUnimplemented, "surface.chord_tolerance",
+                "chord tolerances of Catmull-Clark and Loop surfaces are not implemented yet",
+                "Choose a level");
+}
+
 absl::Status CheckOptions(const InterpolateOptions& options) {
   const Constraints& constraints = options.constraints;
   if (!constraints.shape_handles.empty()) {
@@ -52,6 +58,7 @@ absl::Status CheckOptions(const InterpolateOptions& options) {
     return Refuse(Reason::kInvalidOption, "solve.fair", "fairing belongs to Doo-Sabin surfaces",
                   "Leave it out or choose Doo-Sabin");
   }
+  if (options.chord_tolerance.has_value()) return NoChordBound();
   if (options.keep_patches) {
     return Refuse(Reason::kUnimplemented, "scheme",
                   "evaluation of Catmull-Clark and Loop surfaces is not implemented yet",
@@ -168,6 +175,8 @@ class PrimalJob : public SchemeJob {
     points_.assign(frame_.result.control_positions.begin(), frame_.result.control_positions.end());
     return absl::OkStatus();
   }
+
+  absl::StatusOr<ChordLevel> ChooseLevel(double /*tolerance*/) override { return NoChordBound(); }
 
   absl::Status Refine() override {
     const double bilinear = level_ == 0 ? bilinear_share() : 0;

@@ -9,11 +9,13 @@
 #include <string_view>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "absl/types/span.h"
 #include "engine/base/context.h"
 #include "engine/base/vec3.h"
 #include "engine/constraints/vertex_plan.h"
 #include "engine/interpolate.h"
+#include "engine/limit/chord_bound.h"
 #include "engine/mesh/half_edge_mesh.h"
 #include "engine/solve/control_mesh.h"
 
@@ -76,6 +78,8 @@ class SchemeJob {
   virtual const BoundaryControl& boundary_control() const = 0;
   // Stages of its own after the solve: from the control mesh to a surface that meets everything.
   virtual absl::Status StartSurface() = 0;
+  // The level that a chord tolerance needs, at most options.finest. In the stage "choose_level".
+  virtual absl::StatusOr<ChordLevel> ChooseLevel(double tolerance) = 0;
   // The next level. In the stage "refine", `level` times.
   virtual absl::Status Refine() = 0;
   // result.surface, after that many refinements. In the stage "limit".

@@ -235,6 +235,29 @@ TEST_F(ConstraintsE2e, CreasesCornersAndHolesReachCatmullClark) {
   EXPECT_NE(bad.errors.find("solve.strict"), std::string::npos) << bad.errors;
 }
 
+TEST_F(ConstraintsE2e, AChordToleranceChoosesTheLevelAndSaysWhatIsGuaranteed) {
+  std::uint32_t last = 0;
+  for (const std::string tolerance : {"0.5", "0.05", "0.01"}) {
+    const RunResult run = Interpolate({"--chord-tolerance", tolerance, "--report", At("r.json")});
+    ASSERT_EQ(run.status, 0) << run.errors;
+    EXPECT_NE(run.output.find("from the surface"), std::string::npos) << run.output;
+    const v1::Summary summary = Report();
+    EXPECT_GT(summary.chord_bound(), 0);
+    EXPECT_LE(summary.chord_bound(), std::stod(tolerance));
+    EXPECT_GE(summary.level(), last);
+    last = summary.level();
+  }
+  EXPECT_GE(last, 2U);
+  const RunResult impossible = Interpolate({"--chord-tolerance", "1e-9", "--report", At("r.json")});
+  EXPECT_NE(impossible.status, 0);
+  EXPECT_NE(impossible.errors.find("The smallest tolerance that can be met is"), std::string::npos)
+      << impossible.errors;
+  for (const std::string bad : {"0", "-1", "nan", "inf", "x"}) {
+    EXPECT_EQ(Interpolate({"--chord-tolerance", bad}).status, 2) << bad;
+  }
+  EXPECT_EQ(Interpolate({"--chord-tolerance", "1", "--level", "2"}).status, 2);
+}
+
 TEST_F(ConstraintsE2e, FilesThatCannotBeReadAreNamed) {
   for (const std::string name : {"nowhere.json", "."}) {
     const RunResult run = Interpolate({"--constraints", At(name)});
