@@ -77,8 +77,9 @@ class Bounder {
     const HalfEdgeMesh& mesh = surface_.mesh;
     LIMN_ASSIGN_OR_RETURN(fans_, FindExtraordinaryFans(context_, mesh));
     refined_.resize(4 * mesh.half_edge_count());
-    LIMN_RETURN_IF_ERROR(RefineDooSabin(context_, {.mesh = mesh, .fans = fans_, .k = 1},
-                                        surface_.corners, absl::MakeSpan(refined_)));
+    LIMN_RETURN_IF_ERROR(RefineDooSabin(
+        context_, {.mesh = mesh, .fans = fans_, .k = 1, .boundary = &surface_.boundary},
+        surface_.corners, absl::MakeSpan(refined_)));
     LIMN_ASSIGN_OR_RETURN(boundary_, RefineBoundary(context_, mesh, surface_.boundary));
     LIMN_ASSIGN_OR_RETURN(split_, SplitIntoQuads(context_, mesh));
     return ParallelMax(

@@ -72,9 +72,9 @@ class Coarse {
   absl::StatusOr<CoarseChords> Run() {
     const HalfEdgeMesh& split = surface_.split;
     points_.resize(split.vertex_count() + split.edge_count() + split.face_count());
-    LIMN_RETURN_IF_ERROR(DooSabinLimit(context_, {.mesh = split, .fans = surface_.fans, .k = 2},
-                                       surface_.corners,
-                                       {.points = absl::MakeSpan(points_), .normals = {}}));
+    LIMN_RETURN_IF_ERROR(DooSabinLimit(
+        context_, {.mesh = split, .fans = surface_.fans, .k = 2, .boundary = &surface_.boundary},
+        surface_.corners, {.points = absl::MakeSpan(points_), .normals = {}}));
     CoarseChords chords;
     LIMN_RETURN_IF_ERROR(FirstToSecond(&chords.first_to_second));
     LIMN_RETURN_IF_ERROR(PolygonsToFirst(&chords.polygons_to_first));

@@ -41,10 +41,25 @@ RingCones::SectorCones RingCones::SectorCones::Widened(double in_plane, double o
   return wide;
 }
 
-RingCones::RingCones(const Vec3& normal, const RingRefiner& first, const PatchRing& ring)
-    : normal_(normal),
+RoundFrame::RoundFrame(const Harmonics& harmonics, const Vec3& normal) : normal_(normal) {
+  if (normal == Vec3{0, 0, 0}) return;
+  const Vec3& t1 = harmonics.t1;
+  const Vec3& t2 = harmonics.t2;
+  axis_ = NormalizedOrZero(t1);
+  side_ = Cross(normal, axis_);
+  const double area = Dot(normal, Cross(t1, t2));
+  const double size = std::sqrt(area);
+  first_ = (size / area) * Cross(t2, normal);
+  second_ = (size / area) * Cross(normal, t1);
+  // The singular values of (t1, t2) are that factor of sqrt(area) and its reciprocal.
+  const double mean = 0.5 * (Dot(t1, t1) + Dot(t2, t2)) / area;
+  stretch_ = std::sqrt(mean + std::sqrt(std::max(0.0, mean * mean - 1)));
+}
+
+RingCones::RingCones(const RoundFrame& frame, const RingRefiner& first, const PatchRing& ring)
+    : frame_(frame),
       first_(first),
-      sectors_(ring.sectors > kMostSides || normal == Vec3{0, 0, 0} ? 0 : ring.sectors),
+      sectors_(ring.sectors > kMostSides || frame.normal() == Vec3{0, 0, 0} ? 0 : ring.sectors),
       mixed_(!ring.closed()) {}
 
 void RingCones::AddGeneration(const RingRefiner& refiner) {
@@ -67,7 +82,8 @@ std::vector<ProjectedCone> RingCones::Finish(const Deviation& remainder) {
   for (std::size_t i = 0; i < sectors_; ++i) {
     // Directions are twice the differences of images, which are means of points; or differences of
     // means of these.
-    beyond.push_back(ConesOf(i, first_.grid(i)).Widened(4 * remainder.slide, 4 * remainder.height));
+    beyond.push_back(ConesOf(i, first_.grid(i))
+                         .Widened(4 * frame_.stretch() * remainder.slide, 4 * remainder.height));
     WidenByParts(beyond.back(), &rest);
   }
   for (std::size_t g = cones_.size(); g-- > 0;) {
@@ -78,13 +94,18 @@ std::vector<ProjectedCone> RingCones::Finish(const Deviation& remainder) {
   return std::move(cones_);
 }
 
+ProjectedCone RingCones::ConeOf(const ConePair& pair) const {
+  return frame_.Back(limn::ConeOf(frame_.normal(), pair.u, pair.v));
+}
+
 ProjectedCone RingCones::Nothing() const {
-  return {.normal = normal_, .angle = 0, .stretch = std::numeric_limits<double>::infinity()};
+  return {
+      .normal = frame_.normal(), .angle = 0, .stretch = std::numeric_limits<double>::infinity()};
 }
 
 void RingCones::WidenByParts(const SectorCones& cones, ProjectedCone* cone) const {
-  for (const ConePair& pair : cones.quarter) Widen(ConeOf(normal_, pair.u, pair.v), cone);
-  Widen(ConeOf(normal_, cones.quad[2].u, cones.quad[2].v), cone);
+  for (const ConePair& pair : cones.quarter) Widen(ConeOf(pair), cone);
+  Widen(ConeOf(cones.quad[2]), cone);
 }
 
 // *beyond has the quarters of all later generations and gets those of this one; cones_[g] gets what
@@ -97,13 +118,21 @@ void RingCones::Mix(std::size_t g, std::vector<SectorCones>* beyond) {
       all.Add(here.quarter[quarter]);
       ConePair mixed = all;
       mixed.Add(here.quad[quarter]);
-      Widen(ConeOf(normal_, mixed.u, mixed.v), &cones_[g]);
+      Widen(ConeOf(mixed), &cones_[g]);
     }
   }
 }
 
+RefinedGrid RingCones::Rounded(RefinedGrid grid) const {
+  for (auto& row : grid) {
+    for (Vec3& p : row) p = frame_.Round(p);
+  }
+  return grid;
+}
+
 // Derivatives by the ring's parameters, which are twice those by a quarter's own.
-RingCones::SectorCones RingCones::ConesOf(std::size_t i, const RefinedGrid& grid) const {
+RingCones::SectorCones RingCones::ConesOf(std::size_t i, const RefinedGrid& refined) const {
+  const RefinedGrid grid = Rounded(refined);
   const std::array<ConePair, 3> none = {NoneOf(i, 0, 1), NoneOf(i, 1, 0), NoneOf(i, 1, 1)};
   SectorCones cones = {none, none};
   const NineVertices vertex = VerticesOf(grid);
@@ -122,8 +151,9 @@ RingCones::SectorCones RingCones::ConesOf(std::size_t i, const RefinedGrid& grid
 // Without directions; the axes are those of F.
 RingCones::ConePair RingCones::NoneOf(std::size_t i, std::size_t row, std::size_t column) const {
   const BiquadraticJet middle =
-      EvaluateBiquadratic(QuarterNet(first_.grid(i), row, column), 0.5, 0.5);
-  return {{normal_, NormalizedOrZero(middle.du)}, {normal_, NormalizedOrZero(middle.dv)}};
+      EvaluateBiquadratic(QuarterNet(Rounded(first_.grid(i)), row, column), 0.5, 0.5);
+  const Vec3& normal = frame_.normal();
+  return {{normal, NormalizedOrZero(middle.du)}, {normal, NormalizedOrZero(middle.dv)}};
 }
 
 }  // namespace limn

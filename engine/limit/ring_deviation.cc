@@ -194,7 +194,8 @@ RingBounds BoundRing(PatchRing* ring, int deepest) {
   Translate(-harmonics.mean, ring);
   PatchRing first = FirstHarmonicOf(*ring, harmonics);
   const RingRefiner first_refiner(&first);
-  RingCones cones(normal, first_refiner, *ring);
+  const RoundFrame frame(harmonics, normal);
+  RingCones cones(frame, first_refiner, *ring);
 
   const int steps = deepest + kBeyond + 1;
   std::vector<Step> step(static_cast<std::size_t>(steps));

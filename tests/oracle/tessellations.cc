@@ -28,7 +28,8 @@ Tessellation GivenFaces(const DooSabinSurface& surface, const ExtraordinaryFans&
   Tessellation result;
   result.positions.resize(mesh.vertex_count());
   OrThrow(DooSabinLimit(
-      Context(), {.mesh = mesh, .fans = fans, .k = 1}, surface.corners,
+      Context(), {.mesh = mesh, .fans = fans, .k = 1, .boundary = &surface.boundary},
+      surface.corners,
       {.points = absl::MakeSpan(result.positions), .normals = {}, .vertices_only = true}));
   result.face_begin.assign(mesh.face_begin().begin(), mesh.face_begin().end());
   result.face_vertices.assign(mesh.vertex().begin(), mesh.vertex().end());
@@ -46,17 +47,20 @@ std::vector<Tessellation> TessellationsOf(const DooSabinSurface& surface, int fi
     const auto level = static_cast<std::uint32_t>(k);
     if (k > 1) {
       Buffer<Vec3> refined(4 * at.corners.size());
-      OrThrow(RefineDooSabin(context, {.mesh = at.mesh, .fans = fans, .k = level - 1}, at.corners,
-                             absl::MakeSpan(refined)));
+      OrThrow(RefineDooSabin(
+          context, {.mesh = at.mesh, .fans = fans, .k = level - 1, .boundary = &at.boundary},
+          at.corners, absl::MakeSpan(refined)));
       at.corners = std::move(refined);
+      at.boundary = OrThrow(RefineBoundary(context, at.mesh, at.boundary));
       at.mesh = OrThrow(SplitIntoQuads(context, at.mesh));
     }
     Tessellation fine;
     fine.level = level;
     fine.arity = 4;
     fine.positions.resize(at.mesh.vertex_count() + at.mesh.edge_count() + at.mesh.face_count());
-    OrThrow(DooSabinLimit(context, {.mesh = at.mesh, .fans = fans, .k = level}, at.corners,
-                          {.points = absl::MakeSpan(fine.positions), .normals = {}}));
+    OrThrow(DooSabinLimit(context,
+                          {.mesh = at.mesh, .fans = fans, .k = level, .boundary = &at.boundary},
+                          at.corners, {.points = absl::MakeSpan(fine.positions), .normals = {}}));
     fine.face_vertices.resize(4 * at.mesh.half_edge_count());
     OrThrow(QuadVertices(context, at.mesh, absl::MakeSpan(fine.face_vertices)));
     levels.push_back(std::move(fine));
