@@ -17,7 +17,7 @@ absl::StatusOr<io::OutputFile*> StagedFiles::Create(const std::string& path) {
 absl::Status StagedFiles::Commit() {
   for (const auto& file : files_) LIMN_RETURN_IF_ERROR(file->Close());
   for (std::size_t i = 0; i < files_.size(); ++i) {
-    const absl::Status status = files_[i]->Place();
+    absl::Status status = files_[i]->Place();
     if (status.ok()) continue;
     // The last first: two names may be links to one file.
     while (i-- > 0) files_[i]->Undo();

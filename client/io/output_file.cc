@@ -137,7 +137,7 @@ absl::Status OutputFile::Close() {
 absl::Status OutputFile::Place() {
   LIMN_RETURN_IF_ERROR(KeepOlder());
   if (std::rename(partial_.c_str(), target_.c_str()) != 0) {
-    const absl::Status status = SystemError(target_);
+    absl::Status status = SystemError(target_);
     Undo();
     return status;
   }

@@ -13,8 +13,6 @@
 namespace limn::e2e {
 namespace {
 
-using testing::TestWithParam;
-
 class CommandLineE2e : public testing::Test {
  protected:
   std::string At(const std::string& name) const { return space_.path(name); }

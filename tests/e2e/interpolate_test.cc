@@ -18,7 +18,7 @@ class InterpolateE2e : public testing::Test {
  protected:
   // Makes a mesh by code and returns its path.
   std::string Generate(const std::string& kind, const std::string& vertices) const {
-    const std::string path = space_.path("given.obj");
+    std::string path = space_.path("given.obj");
     const RunResult run =
         space_.Limn({"generate", kind, "--vertices", vertices, "--seed", "7", "-o", path});
     EXPECT_EQ(run.status, 0) << run.errors;

@@ -87,8 +87,9 @@ class ServerProcess {
  public:
   // flags: beside --listen and --port-file. preload: a library that stands in for parts of others,
   // or nothing. Throws std::runtime_error when it does not come up.
-  ServerProcess(const Workspace& workspace, const std::vector<std::string>& flags = {},
-                Process::Errors errors = Process::Errors::kFile, const std::string& preload = "");
+  explicit ServerProcess(const Workspace& workspace, const std::vector<std::string>& flags = {},
+                         Process::Errors errors = Process::Errors::kFile,
+                         const std::string& preload = "");
 
   const std::string& address() const { return address_; }
   // Everything that it has printed.

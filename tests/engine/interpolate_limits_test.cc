@@ -16,6 +16,7 @@
 #include "engine/mesh/generate.h"
 #include "tests/engine/allocation_meter.h"
 #include "tests/oracle/expect.h"
+#include "tests/oracle/slowdown.h"
 
 namespace limn {
 namespace {
@@ -120,7 +121,7 @@ TEST(InterpolateLimits, RefusesWhatExceedsTheLimitsBeforeAllocating) {
 TEST(InterpolateLimits, EstimateIsAnUpperBoundWithinAFactorOfTwo) {
   for (const MeshKind kind : AllMeshKinds()) {
     if (!IsClosedKind(kind)) continue;
-    const PolygonMesh mesh = Generated(kind, 20000);
+    const PolygonMesh mesh = Generated(kind, 20000 / oracle::kSlowdown);
     std::vector<InterpolateOptions> all;
     for (const std::uint32_t level : {0U, 1U, 2U, 3U}) {
       all.push_back({.level = level});

@@ -16,6 +16,7 @@
 #include "tests/engine/allocation_meter.h"
 #include "tests/engine/repair_testing.h"
 #include "tests/oracle/expect.h"
+#include "tests/oracle/slowdown.h"
 
 namespace limn {
 namespace {
@@ -195,7 +196,7 @@ TEST(RepairLimits, MendsExactlyWhatItSays) {
 
 // Large meshes with many defects of one kind, by name.
 
-constexpr Index kMany = 100'000;
+constexpr Index kMany = 100'000 / oracle::kSlowdown;
 
 PolygonMesh Book(bool alternating) {
   PolygonMesh mesh = WithFaces(kMany + 2, {});

@@ -20,7 +20,9 @@ Model MakeModel(const Setup& setup, MeshKind kind, std::uint64_t vertices) {
   BoundingBox box;
   OrDie(ValidatePositions(setup.context, given.positions, &box));
   HalfEdgeMesh mesh = OrDie(HalfEdgeMesh::Build(setup.context, given));
-  return {.name = absl::StrCat(std::string(MeshKindName(kind)), " ", Count(given.vertex_count())),
+  std::string name =
+      absl::StrCat(std::string(MeshKindName(kind)), " ", Count(given.vertex_count()));
+  return {.name = std::move(name),
           .given = std::move(given),
           .mesh = std::move(mesh),
           .scale = box.diagonal()};

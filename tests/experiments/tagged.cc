@@ -86,13 +86,13 @@ struct Variant {
 };
 
 const std::array<Variant, 6>& Variants() {
-  static const std::array<Variant, 6> variants = {{{false, 1, "fig6c", "fig6a", "fig6b"},
-                                                   {true, 1, "fig6f", "fig6d", "fig6e"},
-                                                   {false, 0.4, "fig8a", "", ""},
-                                                   {true, 0.4, "fig8b", "", ""},
-                                                   {false, 2.5, "fig8c", "", ""},
-                                                   {true, 2.5, "fig8d", "", ""}}};
-  return variants;
+  static const std::array<Variant, 6> kVariants = {{{false, 1, "fig6c", "fig6a", "fig6b"},
+                                                    {true, 1, "fig6f", "fig6d", "fig6e"},
+                                                    {false, 0.4, "fig8a", "", ""},
+                                                    {true, 0.4, "fig8b", "", ""},
+                                                    {false, 2.5, "fig8c", "", ""},
+                                                    {true, 2.5, "fig8d", "", ""}}};
+  return kVariants;
 }
 
 // Angle between two directions whose signs do not matter, in radians.

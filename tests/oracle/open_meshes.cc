@@ -34,10 +34,10 @@ PolygonMesh Without(const PolygonMesh& mesh, std::initializer_list<std::size_t> 
   return rest;
 }
 
-PolygonMesh Joined(const PolygonMesh& a, PolygonMesh b) {
+PolygonMesh Joined(const PolygonMesh& a, const PolygonMesh& b) {
   PolygonMesh both = a;
   const Index first = static_cast<Index>(a.vertex_count());
-  for (Vec3& p : b.positions) both.positions.push_back(p + Vec3{5, 0.5, 0.25});
+  for (const Vec3& p : b.positions) both.positions.push_back(p + Vec3{5, 0.5, 0.25});
   for (std::size_t f = 0; f < b.face_count(); ++f) {
     std::vector<Index> face;
     for (const Index v : b.face(f)) face.push_back(first + v);

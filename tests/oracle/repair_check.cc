@@ -122,7 +122,8 @@ class Checker {
     }
     std::set<std::size_t> removed;
     std::set<std::size_t> folded;
-    for (const auto& [polygon, group] : groups) {
+    for (const auto& [polygon, faces] : groups) {
+      const std::vector<std::size_t>& group = faces;  // clang 14 lets no lambda have a binding
       bool back_to_back = group.size() == 2;
       ForEachSide(polygon, [&](Index a, Index b) {
         back_to_back = back_to_back && at_edge.at(EdgeOf(a, b)).size() == 2 &&

@@ -20,7 +20,6 @@ namespace limn {
 namespace {
 
 using std::chrono::milliseconds;
-using std::chrono::steady_clock;
 
 std::vector<SurfaceParameter> SomeParameters(const PolygonMesh& mesh, std::size_t n) {
   std::mt19937_64 random(7);

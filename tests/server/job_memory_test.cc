@@ -35,8 +35,7 @@ PolygonMesh LoneTriangles(std::uint64_t count) {
   for (std::uint64_t f = 0; f < count; ++f) {
     for (int i = 0; i < 3; ++i) {
       mesh.corner_vertex.push_back(static_cast<Index>(mesh.positions.size()));
-      mesh.positions.push_back(
-          {static_cast<double>(f), static_cast<double>(i % 2), static_cast<double>(i / 2)});
+      mesh.positions.push_back({static_cast<double>(f), i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 : 0.0});
     }
     mesh.face_begin.push_back(static_cast<Index>(mesh.corner_vertex.size()));
   }
