@@ -21,16 +21,25 @@
 #include "engine/mesh/polygon_mesh.h"
 #include "engine/refine/doo_sabin_rule.h"
 #include "engine/refine/doo_sabin_surface.h"
+#include "engine/scheme/sharpness.h"
 #include "engine/solve/solve.h"
 
 namespace limn {
 
-// Subdivision scheme. Built: kDooSabin. The others answer UNIMPLEMENTED.
+// Subdivision scheme. kLoop is for meshes of triangles.
 enum class Scheme { kDooSabin, kCatmullClark, kLoop };
 
 struct InterpolateOptions {
   Scheme scheme = Scheme::kDooSabin;
-  FirstRule rule = FirstRule::kModified;
+  // First refinement. By default Doo-Sabin's is the modified one, Loop's its own, Catmull-Clark's
+  // its own too, but where the equations are singular or nearly so (see engine/solve/regularity.h)
+  // half or all of the bilinear rule is blended in: such surfaces are Catmull-Clark surfaces of the
+  // once refined mesh. Named, a rule is kept to.
+  std::optional<FirstRule> rule;
+  // Refuse with ILL_CONDITIONED rather than blend in another rule.
+  bool strict = false;
+  // What becomes of the boundary of Catmull-Clark and Loop surfaces; kEdgeAndCorner by default.
+  std::optional<BoundaryRule> boundary;
   SolveOptions solve;
   // What the surface meets; by default all vertices are interpolated.
   Constraints constraints;
@@ -38,9 +47,11 @@ struct InterpolateOptions {
   bool fair = false;
   // Refinements of the input's connectivity in the tessellation, 0 to Limits::max_level.
   std::uint32_t level = 2;
-  // Instead of a level: the smallest one whose guaranteed deviation from the limit surface is at
-  // most this, in model units; greater than 0. Not built yet: UNIMPLEMENTED.
+  // Instead of a level: the smallest one whose distance from the limit surface is guaranteed to be
+  // at most this, in model units; greater than 0. See engine/limit/chord_bound.h. Doo-Sabin only.
   std::optional<double> chord_tolerance;
+  // With a chord tolerance: the finest level that may be chosen.
+  std::uint32_t finest = kMaxLevel;
   // Whether to tessellate; without, only the control mesh is found.
   bool surface = true;
   // Whether to compute normals of the tessellation.
@@ -59,6 +70,11 @@ struct InterpolateResult {
   // The control mesh: these positions with the faces of the input, in the input's order.
   Buffer<Vec3> control_positions;
   SolveReport solve;
+  // First refinement used, and its share of the bilinear rule: 0 unless rule is kBilinear.
+  FirstRule rule = FirstRule::kModified;
+  double bilinear_share = 0;
+  // With a chord tolerance: what is guaranteed of the distance at surface.level.
+  std::optional<double> chord_bound;
   // The limit surface; its first vertices are the limit points of the input's vertices, in order.
   // Empty without `surface`.
   Tessellation surface;
@@ -67,13 +83,13 @@ struct InterpolateResult {
   // With `keep_patches`.
   std::optional<DooSabinSurface> patches;
   // In the order in which they ran: "build", "solve", and with a surface "first_refinement",
-  // "perturb", "fair" if asked for, "refine", "limit".
+  // "perturb" (both Doo-Sabin's), "fair" and "choose_level" if asked for, "refine", "limit".
   std::vector<StageTime> stages;
 };
 
 // Bytes of the arrays that Interpolate holds at its peak for such a mesh and options, the input
-// not counted. Without boundary_edges: of a closed mesh. 64-bit arithmetic; saturates. Cost:
-// constant.
+// not counted. With a chord tolerance: when the finest level is chosen. Without boundary_edges: of
+// a closed mesh. 64-bit arithmetic; saturates. Cost: constant.
 [[nodiscard]] std::uint64_t EstimateBytes(std::uint64_t vertices, std::uint64_t faces,
                                           std::uint64_t corners, const InterpolateOptions& options,
                                           std::uint64_t boundary_edges = 0);
@@ -89,20 +105,25 @@ struct InterpolateResult {
 // of components.
 //
 // Guarantees:
-// - The surface's points at interpolated vertices are within 1e-12 of the bounding box's diagonal
-//   of the input's points, whatever the solve's tolerance, and its normals there within 1e-10 rad
-//   of those prescribed, wherever the images around the vertex span a plane.
-// - The boundary of the surface is a quadratic B-spline for each boundary loop, which depends on
+// - Doo-Sabin: the surface's points at interpolated vertices are within 1e-12 of the bounding box's
+//   diagonal of the input's points, whatever the solve's tolerance, and its normals there within
+//   1e-10 rad of those prescribed, wherever the images around the vertex span a plane.
+//   Catmull-Clark and Loop: the points are as far off as the solve's residual says.
+// - The boundary of the surface is a B-spline for each boundary loop, quadratic for Doo-Sabin,
+// cubic
+//   else, which depends on
 //   the loop's vertices only, and through corners (vertices of one face) on those of the piece
 //   between two corners only: two meshes that share the points along a piece, in either direction,
 //   and its vertices' constraints, share the points of the curve to the last bit. Fairing leaves
-//   them alone. Corners are met and sharp.
+//   them alone. Corners are met and sharp, but for BoundaryRule::kEdgeOnly. (Catmull-Clark and Loop
+//   keep the last bit where the middle of the box is within 64 diagonals of the origin: the job
+//   runs on points around its own middle otherwise.)
 // - The result has the same bits for any number of threads.
 //
 // Errors: as HalfEdgeMesh::Build and ValidateConstraints; INVALID_OPTION for an option out of
 // range; LIMIT_EXCEEDED when sizes are above the context's limits (before anything is allocated);
-// OUT_OF_MEMORY; CANCELLED and DEADLINE_EXCEEDED within one chunk of work; UNIMPLEMENTED for a
-// scheme that is not built.
+// OUT_OF_MEMORY; CANCELLED and DEADLINE_EXCEEDED within one chunk of work; ILL_CONDITIONED, see
+// `strict`; UNIMPLEMENTED for what a scheme cannot do yet.
 //
 // Cost: linear in corners x 4^level. Thread-safe; runs in the caller's arena (see ThreadArena).
 [[nodiscard]] absl::StatusOr<InterpolateResult> Interpolate(const Context& context,

@@ -34,6 +34,10 @@ struct Counts {
     return {vertices + edges + faces, 2 * edges + half_edges, half_edges, 4 * half_edges,
             2 * boundary};
   }
+  // Every triangle into four.
+  Counts SplitTriangles() const {
+    return {vertices + edges, 2 * edges + half_edges, 4 * faces, 4 * half_edges, 2 * boundary};
+  }
 };
 
 Counts MakeCounts(std::uint64_t vertices, std::uint64_t faces, std::uint64_t corners,
@@ -71,6 +75,20 @@ double BuildPeak(const Counts& n) {
 // A BoundaryCurve.
 double Curve(const Counts& n) { return 3 * Indices(n.boundary) + 3 * Points(n.boundary); }
 
+// The level that is asked for, or the finest that may be chosen.
+std::uint32_t LevelOf(const InterpolateOptions& options) {
+  return options.chord_tolerance.has_value() ? options.finest : options.level;
+}
+
+bool IsCreased(const Constraints& constraints) {
+  return !constraints.creases.empty() || !constraints.corners.empty();
+}
+
+// A Sharpness, with holes.
+double SharpnessBytes(const Counts& n) {
+  return Bytes(n.edges, sizeof(float)) + Bytes(n.vertices, sizeof(float)) + Bytes(n.faces, 1);
+}
+
 // The operator's order of vertices and faces, and the arrays of the iteration; see Solve and
 // SolveControlMesh.
 double SolvePeak(const Counts& n, const InterpolateOptions& options) {
@@ -78,10 +96,23 @@ double SolvePeak(const Counts& n, const InterpolateOptions& options) {
   const double values = images ? n.half_edges : n.faces;
   const double limit = 2 * (Indices(n.half_edges) + Indices(n.vertices) + Indices(n.faces));
   double sweeps = 3 * Points(n.vertices) + Points(values);
+  double weights = 0;
+  if (options.scheme != Scheme::kDooSabin) {
+    // Neighbours, rows and x of the sweep before; conjugate gradients, for symmetric operators or
+    // for others; rows of vertices where something is sharp.
+    const bool creased = IsCreased(options.constraints);
+    sweeps = std::max(sweeps + Points(n.vertices), (creased ? 7 : 5) * Points(n.vertices) +
+                                                       Bytes(n.vertices, sizeof(double)) +
+                                                       Points(values));
+    weights = Indices(n.half_edges) + Bytes(n.vertices, 2 * sizeof(std::uint16_t));
+    if (creased) weights += 4 * Bytes(n.half_edges, sizeof(double)) + SharpnessBytes(n);
+  }
   if (options.solve.method == SolveMethod::kJacobi) {
     sweeps += Bytes(n.vertices, sizeof(double)) + Bytes(values, sizeof(double));
   } else if (options.solve.method == SolveMethod::kGaussSeidel) {
     sweeps += Points(n.faces);
+  } else if (options.solve.method == SolveMethod::kConjugateGradient) {
+    sweeps += 2 * Points(n.vertices) + Bytes(n.vertices, sizeof(double));
   }
   if (images) sweeps = std::max(sweeps, Indices(n.half_edges));
   double known = 0;
@@ -89,7 +120,7 @@ double SolvePeak(const Counts& n, const InterpolateOptions& options) {
     known = 2 * Bytes(n.vertices, 1) + Bytes(n.vertices, sizeof(std::uint16_t));
   }
   if (n.boundary > 0) known += Points(n.vertices) + Points(n.boundary) + 2 * Bytes(n.boundary, 1);
-  return BuiltMesh(n) + limit + sweeps + known;
+  return BuiltMesh(n) + limit + sweeps + weights + known;
 }
 
 // Constraints by vertex.
@@ -103,10 +134,10 @@ double Plan(const Counts& n, const Constraints& constraints) {
 
 // The tessellation with T^(level - 1), or with the input at level 0.
 double TessellationBytes(const Counts& n, const InterpolateOptions& options) {
-  const Counts surface = options.level == 0 ? n : n.Split();
+  const Counts surface = LevelOf(options) == 0 ? n : n.Split();
   return Points(surface.vertices) * (options.normals ? 2 : 1) +
-         (options.level == 0 ? Indices(n.faces + 1) + Indices(n.half_edges)
-                             : Indices(4 * n.half_edges));
+         (LevelOf(options) == 0 ? Indices(n.faces + 1) + Indices(n.half_edges)
+                                : Indices(4 * n.half_edges));
 }
 
 // What Fair holds beside the patches: some 300 bytes a corner, and T^1 with the points of M^2.
@@ -116,19 +147,47 @@ double FairBytes(const Counts& n) {
          Indices(2 * n.half_edges) + 2 * Indices(n.vertices + n.faces + 1);
 }
 
+// The same of Catmull-Clark and Loop: T^k with its points, and T^(k+1); then the limits.
+double PrimalSurfacePeak(Counts n, const InterpolateOptions& options) {
+  const bool loop = options.scheme == Scheme::kLoop;
+  double level = BuiltMesh(n) + Points(n.vertices) + SharpnessBytes(n);
+  double peak = level + Points(n.faces);
+  for (std::uint32_t k = 0; k < LevelOf(options) && peak < kMost; ++k) {
+    n = loop ? n.SplitTriangles() : n.Split();
+    const double next = SplitMesh(n) + Points(n.vertices) + SharpnessBytes(n);
+    peak = std::max(peak, level + next);
+    level = next;
+  }
+  // At level 0 T^1 may be made for limits.
+  const double extra =
+      LevelOf(options) == 0
+          ? SplitMesh(n.Split()) + 2 * Points(n.Split().vertices) + SharpnessBytes(n.Split())
+          : 0;
+  return std::max(peak, level + extra + Points(n.vertices) * (options.normals ? 2 : 1) +
+                            Indices(n.half_edges) + Indices(n.faces + 1));
+}
+
+// What ChooseLevel holds beside the patches: T^1, M^2 and its bounds.
+double ChooseLevelBytes(const Counts& n) {
+  const Counts split = n.Split();
+  return SplitMesh(split) + Points(split.half_edges) + Bytes(split.half_edges, 280) + Curve(split) +
+         Indices(2 * n.half_edges) + 2 * Indices(n.vertices + n.faces + 1);
+}
+
 // The most of the surface's stages. `n`: of the input.
 double SurfacePeak(Counts n, const InterpolateOptions& options) {
   double mesh = BuiltMesh(n);
   const double patches = mesh + Points(n.half_edges) + Curve(n);
   double peak = patches;
   if (options.fair) peak += FairBytes(n);
+  if (options.chord_tolerance.has_value()) peak = std::max(peak, patches + ChooseLevelBytes(n));
   if (!options.surface) return peak;
   double fans = options.keep_patches ? patches : 0;
-  if (options.level >= 2) {
+  if (LevelOf(options) >= 2) {
     // At most every vertex and face is extraordinary.
     fans += Indices(2 * n.half_edges) + 2 * Indices(n.vertices + n.faces + 1);
   }
-  for (std::uint32_t k = 1; k < options.level && peak < kMost; ++k) {
+  for (std::uint32_t k = 1; k < LevelOf(options) && peak < kMost; ++k) {
     const Counts split = n.Split();
     const double coarse = mesh;
     mesh = SplitMesh(split);
@@ -148,7 +207,13 @@ std::uint64_t EstimateSurfaceBytes(std::uint64_t vertices, std::uint64_t faces,
                                    std::uint64_t boundary_edges) {
   if (!options.surface) return 0;
   Counts n = MakeCounts(vertices, faces, corners, boundary_edges);
-  for (std::uint32_t k = 1; k < options.level && n.vertices < kMost; ++k) n = n.Split();
+  if (options.scheme == Scheme::kLoop) {
+    for (std::uint32_t k = 0; k < LevelOf(options) && n.vertices < kMost; ++k)
+      n = n.SplitTriangles();
+    return Saturated(Points(n.vertices) * (options.normals ? 2 : 1) + Indices(n.half_edges) +
+                     Indices(n.faces + 1));
+  }
+  for (std::uint32_t k = 1; k < LevelOf(options) && n.vertices < kMost; ++k) n = n.Split();
   return Saturated(TessellationBytes(n, options));
 }
 
@@ -160,7 +225,9 @@ std::uint64_t EstimateBytes(std::uint64_t vertices, std::uint64_t faces, std::ui
                          Points(n.boundary) + Indices(n.boundary);
   double peak = control + std::max(BuildPeak(n), SolvePeak(n, options));
   if (options.surface || options.keep_patches)
-    peak = std::max(peak, control + SurfacePeak(n, options));
+    peak = std::max(
+        peak, control + (options.scheme == Scheme::kDooSabin ? SurfacePeak(n, options)
+                                                             : PrimalSurfacePeak(n, options)));
   // Lists of blocks and of runs.
   peak += peak / 64 + 4096;
   return Saturated(peak);

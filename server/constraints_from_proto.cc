@@ -20,9 +20,6 @@ absl::Status CheckBuilt(const v1::Constraints& constraints) {
   const Kind kinds[] = {
       {constraints.surface_points_size() > 0, "constraints.surface_points",
        "constraints at points of the surface are"},
-      {constraints.creases_size() > 0, "constraints.creases", "creases are"},
-      {constraints.corners_size() > 0, "constraints.corners", "sharp vertices are"},
-      {constraints.holes_size() > 0, "constraints.holes", "holes are"},
       {constraints.has_features(), "constraints.features", "feature values are"},
   };
   for (const Kind& kind : kinds) {
@@ -70,6 +67,21 @@ absl::Status ReadNormals(const v1::Constraints& constraints, std::vector<NormalC
   return absl::OkStatus();
 }
 
+void ReadSharp(const v1::Constraints& constraints, Constraints* out) {
+  out->creases.reserve(static_cast<std::size_t>(constraints.creases_size()));
+  for (const v1::Crease& crease : constraints.creases()) {
+    CreaseConstraint& entry = out->creases.emplace_back();
+    entry.vertices.assign(crease.vertices().begin(), crease.vertices().end());
+    entry.sharpness.assign(crease.sharpness().begin(), crease.sharpness().end());
+  }
+  out->corners.reserve(static_cast<std::size_t>(constraints.corners_size()));
+  for (const v1::SharpVertex& corner : constraints.corners()) {
+    out->corners.push_back(
+        {.vertex = corner.vertex(), .sharpness = static_cast<float>(corner.sharpness())});
+  }
+  out->holes.assign(constraints.holes().begin(), constraints.holes().end());
+}
+
 }  // namespace
 
 absl::StatusOr<Constraints> ConstraintsFromProto(const v1::Constraints& constraints,
@@ -86,14 +98,21 @@ absl::StatusOr<Constraints> ConstraintsFromProto(const v1::Constraints& constrai
   for (const v1::ShapeHandle& handle : constraints.shape_handles()) {
     out.shape_handles.push_back({.vertex = handle.vertex(), .value = handle.value()});
   }
+  ReadSharp(constraints, &out);
   return out;
 }
 
 std::uint64_t ConstraintBytes(const Constraints& constraints) {
   const std::size_t subset =
       constraints.interpolate.has_value() ? constraints.interpolate->size() : 0;
+  std::uint64_t creases = constraints.creases.size() * sizeof(CreaseConstraint);
+  for (const CreaseConstraint& crease : constraints.creases) {
+    creases += crease.vertices.size() * sizeof(Index) + crease.sharpness.size() * sizeof(float);
+  }
   return subset * sizeof(Index) + constraints.normals.size() * sizeof(NormalConstraint) +
-         constraints.shape_handles.size() * sizeof(ShapeHandle);
+         constraints.shape_handles.size() * sizeof(ShapeHandle) + creases +
+         constraints.corners.size() * sizeof(CornerConstraint) +
+         constraints.holes.size() * sizeof(Index);
 }
 
 }  // namespace limn

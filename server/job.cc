@@ -10,6 +10,7 @@
 #include "absl/types/span.h"
 #include "engine/base/error.h"
 #include "engine/constraints/renumber.h"
+#include "server/job_memory.h"
 
 namespace limn {
 namespace {
@@ -89,13 +90,14 @@ absl::Status Job::Decode(std::string encoded_mesh) {  // NOLINT(performance-unne
   spec_.mesh.set_vertex_count(mesh_.vertex_count());
   spec_.mesh.set_face_count(mesh_.face_count());
   spec_.mesh.set_corner_count(mesh_.corner_count());
+  FitFinestLevel(context_.limits(), &spec_);
   AddStage("decode", MillisecondsSince(start));
   return absl::OkStatus();
 }
 
 absl::Status Job::Run() {
   if (spec_.repair) LIMN_RETURN_IF_ERROR(RepairMesh());
-  if (spec_.send_surface && spec_.engine.level == 0) {
+  if (spec_.send_surface && spec_.may_have_level_0()) {
     LIMN_RETURN_IF_ERROR(wire::FitLargestFace(mesh_, spec_.engine.normals, &tile_options_));
   }
 
@@ -104,6 +106,9 @@ absl::Status Job::Run() {
   LIMN_ASSIGN_OR_RETURN(InterpolateResult result, std::move(interpolated));
   stages_.insert(stages_.end(), result.stages.begin(), result.stages.end());
   solve_ = result.solve;
+  rule_ = result.rule;
+  bilinear_share_ = result.bilinear_share;
+  chord_bound_ = result.chord_bound;
   fairness_ = result.fairness;
   surface_ = std::move(result.surface);
   patches_ = std::move(result.patches);
@@ -134,7 +139,8 @@ absl::Status Job::RepairMesh() {
   mesh_ = std::exchange(repaired_.mesh, PolygonMesh{});
   if (repaired_.report != RepairReport()) {
     mapping_.emplace(repaired_.original_vertex, repaired_.original_face, tile_options_.tile_bytes);
-    LIMN_ASSIGN_OR_RETURN(constraints, RenumberConstraints(constraints, repaired_.original_vertex));
+    LIMN_ASSIGN_OR_RETURN(constraints, RenumberConstraints(constraints, repaired_.original_vertex,
+                                                           repaired_.original_face));
   }
   AddStage("repair", MillisecondsSince(start));
   return absl::OkStatus();
@@ -255,7 +261,7 @@ void Job::FillSummary(v1::Summary* summary) {
   AddStage("encode", encode_milliseconds_);
   summary->set_request_id(spec_.request_id);
   summary->set_server_version(LIMN_VERSION);
-  summary->set_scheme(v1::SCHEME_DOO_SABIN);
+  summary->set_scheme(SchemeToProto(spec_.engine.scheme));
   summary->set_input_vertices(spec_.mesh.vertex_count());
   summary->set_input_faces(spec_.mesh.face_count());
   summary->set_level(spec_.send_surface ? surface_.level : spec_.engine.level);
@@ -265,7 +271,9 @@ void Job::FillSummary(v1::Summary* summary) {
   }
   v1::SolveReport* solve = summary->mutable_solve();
   solve->set_method(MethodToProto(solve_.method));
-  solve->set_rule(RuleToProto(spec_.engine.rule));
+  solve->set_rule(RuleToProto(rule_));
+  solve->set_bilinear_share(bilinear_share_);
+  solve->set_least_eigenvalue(solve_.least_eigenvalue);
   solve->set_sweeps(solve_.sweeps);
   solve->set_converged(solve_.converged);
   solve->set_last_update(solve_.last_update);
@@ -274,6 +282,7 @@ void Job::FillSummary(v1::Summary* summary) {
   *summary->mutable_certificate() = CertificateToProto(certificate_->Finish());
   summary->mutable_certificate()->set_after_encoding(spec_.send_surface);
 
+  if (chord_bound_.has_value()) summary->set_chord_bound(*chord_bound_);
   if (fairness_.has_value()) *summary->mutable_fairness() = FairnessToProto(*fairness_);
   if (spec_.repair) *summary->mutable_repair() = RepairToProto(repaired_.report);
 

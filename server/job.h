@@ -88,6 +88,9 @@ class Job {
   RepairedMesh repaired_;
   std::optional<wire::MappingReader> mapping_;
   SolveReport solve_;
+  FirstRule rule_ = FirstRule::kModified;
+  double bilinear_share_ = 0;
+  std::optional<double> chord_bound_;
   std::optional<FairnessReport> fairness_;
   Tessellation surface_;
   std::optional<DooSabinSurface> patches_;

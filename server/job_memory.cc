@@ -62,7 +62,7 @@ std::uint64_t AlwaysHeld(const JobSpec& spec) {
 wire::TileOptions LargestTiles(const JobSpec& spec) {
   wire::TileOptions tiles = spec.tiles;
   // Large faces of level 0 may raise it.
-  if (spec.send_surface && spec.engine.level == 0) tiles.tile_bytes = wire::kMaxTileBytes;
+  if (spec.send_surface && spec.may_have_level_0()) tiles.tile_bytes = wire::kMaxTileBytes;
   return tiles;
 }
 
@@ -79,6 +79,14 @@ std::uint64_t ResultBytes(const JobSpec& spec, const wire::MeshCounts& counts,
 }
 
 }  // namespace
+
+void FitFinestLevel(const Limits& limits, JobSpec* spec) {
+  if (!spec->engine.chord_tolerance.has_value()) return;
+  spec->engine.finest = limits.max_level;
+  while (spec->engine.finest > 0 && EstimateJobBytes(*spec) > limits.max_bytes) {
+    --spec->engine.finest;
+  }
+}
 
 std::uint64_t EstimateUploadBytes(const JobSpec& spec) {
   // The room for the bytes grows with them, and is held twice while it does.

@@ -19,6 +19,11 @@ namespace limn {
 // Counts that a Draco header does not claim count as 0; see EstimateDecodeBytes.
 [[nodiscard]] std::uint64_t EstimateJobBytes(const JobSpec& spec);
 
+// For a job to a chord tolerance, whose level is not known yet: the finest level that it may choose
+// becomes the largest one for which EstimateJobBytes is within the limits' max_bytes, so that what
+// is set aside for the job is enough whatever it chooses. Nothing else changes.
+void FitFinestLevel(const Limits& limits, JobSpec* spec);
+
 // Bytes that a job holds while its mesh is uploaded.
 [[nodiscard]] std::uint64_t EstimateUploadBytes(const JobSpec& spec);
 

@@ -60,6 +60,7 @@ absl::Status JobReactor<Rpc>::TakeHeader(const v1::InterpolateHeader& header) {
   LIMN_ASSIGN_OR_RETURN(spec_, Rpc::Spec(header));
   if (spec_.request_id.empty()) spec_.request_id = request_id_;
   request_id_ = spec_.request_id;
+  FitFinestLevel(EngineLimits(core_.limits), &spec_);
   LIMN_ASSIGN_OR_RETURN(ticket_, core_.admission.Admit(spec_));
   upload_.emplace(spec_.mesh.byte_count());
   phase_ = Phase::kUpload;

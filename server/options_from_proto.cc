@@ -2,6 +2,7 @@
 #include "server/options_from_proto.h"
 
 #include <cmath>
+#include <optional>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
@@ -18,14 +19,6 @@ absl::Status Invalid(absl::string_view field, absl::string_view message, absl::s
   return MakeError(absl::StrCat(field, ": ", message), {.reason = Reason::kInvalidOption,
                                                         .field = std::string(field),
                                                         .remedy = std::string(remedy)});
-}
-
-absl::Status NotBuilt(absl::string_view field, absl::string_view feature,
-                      absl::string_view remedy) {
-  return MakeError(absl::StrCat(field, ": ", feature, " not implemented yet"),
-                   {.reason = Reason::kUnimplemented,
-                    .field = std::string(field),
-                    .remedy = std::string(remedy)});
 }
 
 absl::Status UnknownValue(absl::string_view field, int value) {
@@ -47,15 +40,15 @@ absl::Status CheckRequestId(const std::string& id) {
   return absl::OkStatus();
 }
 
-absl::Status CheckScheme(v1::Scheme scheme) {
+absl::StatusOr<Scheme> SchemeFromProto(v1::Scheme scheme) {
   switch (scheme) {
     case v1::SCHEME_UNSPECIFIED:
     case v1::SCHEME_DOO_SABIN:
-      return absl::OkStatus();
+      return Scheme::kDooSabin;
     case v1::SCHEME_CATMULL_CLARK:
-      return NotBuilt("scheme", "Catmull-Clark surfaces are", "Use SCHEME_DOO_SABIN");
+      return Scheme::kCatmullClark;
     case v1::SCHEME_LOOP:
-      return NotBuilt("scheme", "Loop surfaces are", "Use SCHEME_DOO_SABIN");
+      return Scheme::kLoop;
     default:
       return UnknownValue("scheme", scheme);
   }
@@ -69,6 +62,7 @@ absl::Status CheckEncoding(absl::string_view field, v1::MeshEncoding encoding) {
 absl::StatusOr<SolveMethod> MethodFromProto(v1::SolveOptions::Method method) {
   switch (method) {
     case v1::SolveOptions::METHOD_UNSPECIFIED:
+      return SolveMethod::kAutomatic;
     case v1::SolveOptions::METHOD_CHEBYSHEV:
       return SolveMethod::kChebyshev;
     case v1::SolveOptions::METHOD_JACOBI:
@@ -76,21 +70,24 @@ absl::StatusOr<SolveMethod> MethodFromProto(v1::SolveOptions::Method method) {
     case v1::SolveOptions::METHOD_GAUSS_SEIDEL:
       return SolveMethod::kGaussSeidel;
     case v1::SolveOptions::METHOD_CONJUGATE_GRADIENT:
-      return NotBuilt("solve.method", "conjugate gradients are", "Use METHOD_CHEBYSHEV");
+      return SolveMethod::kConjugateGradient;
+    case v1::SolveOptions::METHOD_SERIES:
+      return SolveMethod::kSeries;
     default:
       return UnknownValue("solve.method", method);
   }
 }
 
-absl::StatusOr<FirstRule> RuleFromProto(v1::SolveOptions::Rule rule) {
+absl::StatusOr<std::optional<FirstRule>> RuleFromProto(v1::SolveOptions::Rule rule) {
   switch (rule) {
     case v1::SolveOptions::RULE_UNSPECIFIED:
+      return std::optional<FirstRule>();
     case v1::SolveOptions::RULE_MODIFIED:
       return FirstRule::kModified;
     case v1::SolveOptions::RULE_STANDARD:
       return FirstRule::kStandard;
     case v1::SolveOptions::RULE_BILINEAR_FIRST_STEP:
-      return NotBuilt("solve.rule", "the bilinear first refinement rule is", "Use RULE_MODIFIED");
+      return FirstRule::kBilinear;
     default:
       return UnknownValue("solve.rule", rule);
   }
@@ -105,6 +102,19 @@ absl::StatusOr<SolveOptions> SolveFromProto(const v1::SolveOptions& solve) {
   return options;
 }
 
+std::optional<BoundaryRule> BoundaryFromProto(v1::SurfaceOptions::Boundary boundary) {
+  switch (boundary) {
+    case v1::SurfaceOptions::BOUNDARY_NONE:
+      return BoundaryRule::kNone;
+    case v1::SurfaceOptions::BOUNDARY_EDGE_ONLY:
+      return BoundaryRule::kEdgeOnly;
+    case v1::SurfaceOptions::BOUNDARY_EDGE_AND_CORNER:
+      return BoundaryRule::kEdgeAndCorner;
+    default:
+      return std::nullopt;
+  }
+}
+
 absl::Status ReadSurface(const v1::SurfaceOptions& surface, InterpolateOptions* options) {
   if (surface.fineness_case() == v1::SurfaceOptions::kChordTolerance) {
     // Written so that NaN is refused.
@@ -114,6 +124,7 @@ absl::Status ReadSurface(const v1::SurfaceOptions& surface, InterpolateOptions* 
                      "It is a distance in model units");
     }
     options->chord_tolerance = surface.chord_tolerance();
+    options->level = 0;
   }
   if (surface.fineness_case() == v1::SurfaceOptions::kLevel) {
     if (surface.level() > kMaxLevel) {
@@ -125,9 +136,7 @@ absl::Status ReadSurface(const v1::SurfaceOptions& surface, InterpolateOptions* 
   if (!v1::SurfaceOptions::Boundary_IsValid(surface.boundary())) {
     return UnknownValue("surface.boundary", surface.boundary());
   }
-  if (surface.boundary() != v1::SurfaceOptions::BOUNDARY_UNSPECIFIED) {
-    return NotBuilt("surface.boundary", "boundary rules are", "Leave it out");
-  }
+  options->boundary = BoundaryFromProto(surface.boundary());
   return absl::OkStatus();
 }
 
@@ -187,7 +196,7 @@ absl::StatusOr<JobSpec> JobSpecFromProto(const v1::InterpolateHeader& header) {
   JobSpec spec;
   LIMN_RETURN_IF_ERROR(CheckRequestId(header.request_id()));
   spec.request_id = header.request_id();
-  LIMN_RETURN_IF_ERROR(CheckScheme(header.scheme()));
+  LIMN_ASSIGN_OR_RETURN(spec.engine.scheme, SchemeFromProto(header.scheme()));
   if (!header.has_mesh()) {
     return Invalid("mesh", "the header does not describe the mesh that follows",
                    "Set the counts and the encoding of the mesh");
@@ -202,6 +211,7 @@ absl::StatusOr<JobSpec> JobSpecFromProto(const v1::InterpolateHeader& header) {
   LIMN_ASSIGN_OR_RETURN(spec.engine.solve, SolveFromProto(header.solve()));
   LIMN_ASSIGN_OR_RETURN(spec.engine.rule, RuleFromProto(header.solve().rule()));
   spec.engine.fair = header.solve().fair();
+  spec.engine.strict = header.solve().strict();
   LIMN_RETURN_IF_ERROR(ReadSurface(header.surface(), &spec.engine));
   LIMN_RETURN_IF_ERROR(CheckOutput(header.output()));
   ReadOutput(header.output(), &spec);
@@ -234,8 +244,26 @@ v1::SolveOptions::Method MethodToProto(SolveMethod method) {
       return v1::SolveOptions::METHOD_JACOBI;
     case SolveMethod::kGaussSeidel:
       return v1::SolveOptions::METHOD_GAUSS_SEIDEL;
+    case SolveMethod::kSeries:
+      return v1::SolveOptions::METHOD_SERIES;
+    case SolveMethod::kConjugateGradient:
+      return v1::SolveOptions::METHOD_CONJUGATE_GRADIENT;
+    case SolveMethod::kAutomatic:
+      break;
   }
   return v1::SolveOptions::METHOD_UNSPECIFIED;
+}
+
+v1::Scheme SchemeToProto(Scheme scheme) {
+  switch (scheme) {
+    case Scheme::kDooSabin:
+      return v1::SCHEME_DOO_SABIN;
+    case Scheme::kCatmullClark:
+      return v1::SCHEME_CATMULL_CLARK;
+    case Scheme::kLoop:
+      return v1::SCHEME_LOOP;
+  }
+  return v1::SCHEME_UNSPECIFIED;
 }
 
 v1::SolveOptions::Rule RuleToProto(FirstRule rule) {
@@ -244,6 +272,8 @@ v1::SolveOptions::Rule RuleToProto(FirstRule rule) {
       return v1::SolveOptions::RULE_MODIFIED;
     case FirstRule::kStandard:
       return v1::SolveOptions::RULE_STANDARD;
+    case FirstRule::kBilinear:
+      return v1::SolveOptions::RULE_BILINEAR_FIRST_STEP;
   }
   return v1::SolveOptions::RULE_UNSPECIFIED;
 }

@@ -32,6 +32,9 @@ struct JobSpec {
   bool send_normals = false;
   wire::MeshEncodeOptions control_mesh;
   wire::TileOptions tiles;
+
+  // Whether the surface may have the mesh's own faces, of any arity.
+  bool may_have_level_0() const { return engine.level == 0 || engine.chord_tolerance.has_value(); }
 };
 
 // Errors: INVALID_OPTION, INDEX_OUT_OF_RANGE and UNIMPLEMENTED, naming the field as in
@@ -45,6 +48,7 @@ struct JobSpec {
 
 // What the engine did, as the contract says it.
 [[nodiscard]] v1::SolveOptions::Method MethodToProto(SolveMethod method);
+[[nodiscard]] v1::Scheme SchemeToProto(Scheme scheme);
 [[nodiscard]] v1::SolveOptions::Rule RuleToProto(FirstRule rule);
 [[nodiscard]] v1::FairnessReport FairnessToProto(const FairnessReport& report);
 [[nodiscard]] v1::RepairReport RepairToProto(const RepairReport& report);

@@ -22,6 +22,7 @@ namespace {
 
 using SolveMethod = v1::SolveOptions::Method;
 using FirstRule = v1::SolveOptions::Rule;
+using Boundary = v1::SurfaceOptions::Boundary;
 
 template <class T, std::size_t kCount>
 using Names = std::array<std::pair<std::string_view, T>, kCount>;
@@ -32,15 +33,24 @@ constexpr Names<v1::Scheme, 3> kSchemes = {{
     {"loop", v1::SCHEME_LOOP},
 }};
 
-constexpr Names<SolveMethod, 3> kSolvers = {{
+constexpr Names<SolveMethod, 5> kSolvers = {{
     {"chebyshev", v1::SolveOptions::METHOD_CHEBYSHEV},
     {"jacobi", v1::SolveOptions::METHOD_JACOBI},
     {"gauss-seidel", v1::SolveOptions::METHOD_GAUSS_SEIDEL},
+    {"conjugate-gradient", v1::SolveOptions::METHOD_CONJUGATE_GRADIENT},
+    {"series", v1::SolveOptions::METHOD_SERIES},
 }};
 
-constexpr Names<FirstRule, 2> kRules = {{
+constexpr Names<FirstRule, 3> kRules = {{
     {"modified", v1::SolveOptions::RULE_MODIFIED},
     {"standard", v1::SolveOptions::RULE_STANDARD},
+    {"bilinear", v1::SolveOptions::RULE_BILINEAR_FIRST_STEP},
+}};
+
+constexpr Names<Boundary, 3> kBoundaries = {{
+    {"none", v1::SurfaceOptions::BOUNDARY_NONE},
+    {"edge-only", v1::SurfaceOptions::BOUNDARY_EDGE_ONLY},
+    {"edge-and-corner", v1::SurfaceOptions::BOUNDARY_EDGE_AND_CORNER},
 }};
 
 // How results travel.
@@ -74,19 +84,36 @@ std::string CheckTolerance(const std::string& text) {
   return {};
 }
 
+// Empty if the text is a number above 0 and finite.
+std::string CheckDistance(const std::string& text) {
+  double value = 0;
+  if (!CLI::detail::lexical_cast(text, value) || !(value > 0 && std::isfinite(value))) {
+    return "must be a number above 0; got '" + text + "'";
+  }
+  return {};
+}
+
 }  // namespace
 
 void AddSolveFlags(CLI::App& app, JobOptions* options) {
-  app.add_option("--scheme", options->scheme, "Subdivision scheme (built: doo-sabin)")
+  app.add_option("--scheme", options->scheme, "Subdivision scheme; loop is for triangles")
       ->check(OneOf(kSchemes))
       ->capture_default_str();
-  app.add_option("--solver", options->solver, "Iteration that finds the control mesh")
-      ->check(OneOf(kSolvers))
-      ->capture_default_str();
+  app.add_option("--solver", options->solver,
+                 "Iteration that finds the control mesh [chebyshev, or conjugate-gradient where no "
+                 "bound of the spectrum is known that serves]")
+      ->check(OneOf(kSolvers));
   app.add_option("--rule", options->rule,
                  "First refinement that the equations are set up with: Zheng and Cai's modified "
-                 "one, or the scheme's own, which is Nasri's method [modified]")
+                 "one (doo-sabin's default), the scheme's own (for doo-sabin Nasri's method), or a "
+                 "bilinear one (catmull-clark takes a share of it where its own equations are "
+                 "singular or nearly so)")
       ->check(OneOf(kRules));
+  app.add_flag("--strict", options->strict, "Refuse such meshes instead");
+  app.add_option("--boundary", options->boundary,
+                 "What becomes of the boundary under catmull-clark and loop, as in OpenSubdiv "
+                 "[edge-and-corner]")
+      ->check(OneOf(kBoundaries));
   app.add_option("--tolerance", options->tolerance,
                  "Stop when no vertex moves further in a sweep than this part of the bounding "
                  "box's diagonal; 0 runs --max-sweeps [1e-12]")
@@ -101,11 +128,18 @@ void AddSolveFlags(CLI::App& app, JobOptions* options) {
 }
 
 void AddTessellationFlags(CLI::App& app, JobOptions* options) {
-  app.add_option("--level", options->level,
-                 absl::StrCat("Refinements of the tessellation, 0 to ", kMaxLevel))
-      ->check(CLI::Range(0U, kMaxLevel))
-      ->capture_default_str()
-      ->type_name("K");
+  CLI::Option* const level =
+      app.add_option("--level", options->level,
+                     absl::StrCat("Refinements of the tessellation, 0 to ", kMaxLevel))
+          ->check(CLI::Range(0U, kMaxLevel))
+          ->capture_default_str()
+          ->type_name("K");
+  app.add_option("--chord-tolerance", options->chord_tolerance,
+                 "Instead of a level: the smallest one that is guaranteed to be this near to the "
+                 "limit surface, in model units (doo-sabin)")
+      ->check(CLI::Validator(CheckDistance, "", "distance"))
+      ->excludes(level)
+      ->type_name("T");
   app.add_option("--encoding", options->encoding,
                  "How meshes travel; draco-quantized is lossy: it moves points and reorders faces")
       ->check(OneOf(kEncodings))
@@ -126,11 +160,19 @@ void AddTessellationFlags(CLI::App& app, JobOptions* options) {
 v1::InterpolateHeader MakeJobHeader(const JobOptions& options, const WantedOutputs& wanted) {
   v1::InterpolateHeader header;
   header.set_scheme(ValueOf(kSchemes, options.scheme));
-  header.mutable_solve()->set_method(ValueOf(kSolvers, options.solver));
+  if (options.solver) header.mutable_solve()->set_method(ValueOf(kSolvers, *options.solver));
   if (options.rule) header.mutable_solve()->set_rule(ValueOf(kRules, *options.rule));
   if (options.tolerance) header.mutable_solve()->set_tolerance(*options.tolerance);
   if (options.max_sweeps) header.mutable_solve()->set_max_sweeps(*options.max_sweeps);
-  header.mutable_surface()->set_level(options.level);
+  header.mutable_solve()->set_strict(options.strict);
+  if (options.chord_tolerance) {
+    header.mutable_surface()->set_chord_tolerance(*options.chord_tolerance);
+  } else {
+    header.mutable_surface()->set_level(options.level);
+  }
+  if (options.boundary) {
+    header.mutable_surface()->set_boundary(ValueOf(kBoundaries, *options.boundary));
+  }
 
   const v1::MeshEncoding encoding = ValueOf(kEncodings, options.encoding);
   // The given points are never quantised: the surface has to pass through them.

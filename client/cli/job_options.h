@@ -15,15 +15,19 @@ namespace limn::cli {
 // Absent values are the server's to choose; the names are those of the flags' help.
 struct JobOptions {
   std::string scheme = "doo-sabin";
-  std::string solver = "chebyshev";
+  std::optional<std::string> solver;
   std::string encoding = "packed";
   std::uint32_t level = 2;
+  // Instead of the level.
+  std::optional<double> chord_tolerance;
   std::optional<std::string> rule;
+  std::optional<std::string> boundary;
   std::optional<double> tolerance;
   std::optional<std::uint32_t> max_sweeps;
   std::optional<std::uint32_t> quantization_bits;
   bool repair = false;
   bool fair = false;
+  bool strict = false;
 };
 
 // Add the flags of how the surface is found, and of its tessellation, how it travels and what is

@@ -24,17 +24,23 @@ std::string_view MethodName(v1::SolveOptions::Method method) {
       return "Gauss-Seidel";
     case v1::SolveOptions::METHOD_CHEBYSHEV:
       return "Chebyshev";
+    case v1::SolveOptions::METHOD_CONJUGATE_GRADIENT:
+      return "conjugate gradients";
+    case v1::SolveOptions::METHOD_SERIES:
+      return "series";
     default:
       return "other";
   }
 }
 
-std::string_view RuleName(v1::SolveOptions::Rule rule) {
-  switch (rule) {
+std::string RuleName(const v1::SolveReport& solve) {
+  switch (solve.rule()) {
     case v1::SolveOptions::RULE_MODIFIED:
       return "modified";
     case v1::SolveOptions::RULE_STANDARD:
       return "standard";
+    case v1::SolveOptions::RULE_BILINEAR_FIRST_STEP:
+      return absl::StrFormat("%.0f %% bilinear", 100 * solve.bilinear_share());
     default:
       return "other";
   }
@@ -42,7 +48,7 @@ std::string_view RuleName(v1::SolveOptions::Rule rule) {
 
 std::string SolveText(const v1::SolveReport& solve) {
   return absl::StrFormat("%u (%s, %s rule, %s, residual %.1e of the bounding box)", solve.sweeps(),
-                         MethodName(solve.method()), RuleName(solve.rule()),
+                         MethodName(solve.method()), RuleName(solve),
                          solve.converged() ? "converged" : "tolerance not met", solve.residual());
 }
 
@@ -122,6 +128,9 @@ std::string SummaryTable(const v1::Summary& summary) {
     table += Row("surface vertices", WithCommas(summary.surface_vertices()));
     table += Row("surface faces", WithCommas(summary.surface_faces()) +
                                       absl::StrFormat(" (level %u)", summary.level()));
+    if (summary.has_chord_bound()) {
+      table += Row("from the surface", absl::StrFormat("at most %.3g", summary.chord_bound()));
+    }
   }
   table += Row("sweeps", SolveText(summary.solve()));
   table += CertificateRows(summary.certificate());

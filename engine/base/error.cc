@@ -40,6 +40,7 @@ constexpr std::array kReasons = {
                 absl::StatusCode::kInvalidArgument},
     ReasonEntry{Reason::kNonManifoldVertex, "NON_MANIFOLD_VERTEX",
                 absl::StatusCode::kInvalidArgument},
+    ReasonEntry{Reason::kIllConditioned, "ILL_CONDITIONED", absl::StatusCode::kInvalidArgument},
     ReasonEntry{Reason::kMalformedEncoding, "MALFORMED_ENCODING",
                 absl::StatusCode::kInvalidArgument},
     ReasonEntry{Reason::kMalformedRequest, "MALFORMED_REQUEST", absl::StatusCode::kInvalidArgument},

@@ -28,6 +28,7 @@ enum class Reason {
   kNonManifoldEdge,          // an edge of more than two faces
   kInconsistentOrientation,  // two faces that walk an edge in the same direction
   kNonManifoldVertex,        // a vertex whose faces do not form one fan
+  kIllConditioned,           // the equations are singular or nearly so
   kMalformedEncoding,        // bytes that do not decode
   kMalformedRequest,         // messages out of order, missing or contradictory
   kMalformedFile,            // a file that does not parse

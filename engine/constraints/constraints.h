@@ -30,6 +30,21 @@ struct ShapeHandle {
   double value = 1;
 };
 
+// A chain of edges that are sharp, fully or for a few refinements; see engine/scheme/sharpness.h.
+// Catmull-Clark and Loop.
+struct CreaseConstraint {
+  // Consecutive vertices of the chain; 2 or more.
+  std::vector<Index> vertices;
+  // One for the chain or one for each of its edges; 0 or more, kSharpForever for ever.
+  std::vector<float> sharpness;
+};
+
+// A vertex that is sharp, likewise.
+struct CornerConstraint {
+  Index vertex = 0;
+  float sharpness = 0;
+};
+
 struct Constraints {
   // Vertices to interpolate, each at most once, in any order. Absent: all of them. The others keep
   // their given points as control points and only shape the surface. A corner of the boundary (a
@@ -37,15 +52,21 @@ struct Constraints {
   std::optional<std::vector<Index>> interpolate;
   // At most one per vertex, at interpolated vertices only.
   std::vector<NormalConstraint> normals;
-  // At most one per vertex.
+  // At most one per vertex. Doo-Sabin.
   std::vector<ShapeHandle> shape_handles;
+  // The last one that names an edge or a vertex counts.
+  std::vector<CreaseConstraint> creases;
+  std::vector<CornerConstraint> corners;
+  // Faces that support the surface but are not part of it. Catmull-Clark and Loop.
+  std::vector<Index> holes;
 };
 
 // Checks everything said above. Errors, each with the field's path in the contract's words, such as
 // "constraints.normals[3].vertex", and its index: INDEX_OUT_OF_RANGE; INVALID_OPTION for repeated
 // vertices, for normals that are zero or not finite or at vertices that are not interpolated, for
 // handles that are not finite and positive; CANCELLED, DEADLINE_EXCEEDED. Cost: linear in the
-// constraints, and one bit a vertex. Thread-safe.
+// constraints, and one bit a vertex. Creases, corners and holes are checked when their sharpness is
+// made, see engine/constraints/creases.h. Thread-safe.
 [[nodiscard]] absl::Status ValidateConstraints(const Context& context,
                                                const Constraints& constraints,
                                                std::size_t vertex_count);

@@ -40,10 +40,39 @@ class Descendants {
   std::vector<std::pair<Index, Index>> pairs_;
 };
 
+absl::Status RenumberSharp(const Descendants& descendants, const Constraints& constraints,
+                           Constraints* result) {
+  for (std::size_t c = 0; c < constraints.creases.size(); ++c) {
+    CreaseConstraint crease = {.vertices = {}, .sharpness = constraints.creases[c].sharpness};
+    for (std::size_t i = 0; i < constraints.creases[c].vertices.size(); ++i) {
+      const std::string field = absl::StrCat("constraints.creases[", c, "].vertices[", i, "]");
+      const Index original = constraints.creases[c].vertices[i];
+      LIMN_RETURN_IF_ERROR(
+          descendants.ForEach(original, field, [&](Index v) { crease.vertices.push_back(v); }));
+      if (crease.vertices.size() == i + 1) continue;
+      return MakeError(absl::StrCat(field, ": repair has split vertex ", original),
+                       {.reason = Reason::kInvalidOption,
+                        .field = field,
+                        .index = i,
+                        .remedy = "Leave the crease out, or send the repaired mesh"});
+    }
+    result->creases.push_back(std::move(crease));
+  }
+  for (std::size_t i = 0; i < constraints.corners.size(); ++i) {
+    const CornerConstraint& wish = constraints.corners[i];
+    LIMN_RETURN_IF_ERROR(descendants.ForEach(
+        wish.vertex, absl::StrCat("constraints.corners[", i, "].vertex"), [&](Index v) {
+          result->corners.push_back({v, wish.sharpness});
+        }));
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::StatusOr<Constraints> RenumberConstraints(const Constraints& constraints,
-                                                absl::Span<const Index> original_vertex) {
+                                                absl::Span<const Index> original_vertex,
+                                                absl::Span<const Index> original_face) {
   const Descendants descendants(original_vertex);
   Constraints result;
   if (constraints.interpolate.has_value()) {
@@ -67,6 +96,15 @@ absl::StatusOr<Constraints> RenumberConstraints(const Constraints& constraints,
         wish.vertex, absl::StrCat("constraints.shape_handles[", i, "].vertex"), [&](Index v) {
           result.shape_handles.push_back({v, wish.value});
         }));
+  }
+  LIMN_RETURN_IF_ERROR(RenumberSharp(descendants, constraints, &result));
+  // Faces that were left out are no holes any more.
+  std::vector<Index> holes = constraints.holes;
+  std::sort(holes.begin(), holes.end());
+  for (std::size_t f = 0; f < original_face.size() && !holes.empty(); ++f) {
+    if (std::binary_search(holes.begin(), holes.end(), original_face[f])) {
+      result.holes.push_back(static_cast<Index>(f));
+    }
   }
   return result;
 }

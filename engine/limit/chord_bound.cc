@@ -290,7 +290,8 @@ absl::StatusOr<std::vector<double>> ChordBounds(const Context& context,
 }
 
 absl::StatusOr<ChordLevel> ChooseLevel(const Context& context, const DooSabinSurface& surface,
-                                       double tolerance) {
+                                       const ChordWish& wish) {
+  const double tolerance = wish.tolerance;
   if (!(tolerance > 0) || !std::isfinite(tolerance)) {
     return MakeError(absl::StrCat("the chord tolerance is ", tolerance),
                      {.reason = Reason::kInvalidOption,
@@ -298,8 +299,8 @@ absl::StatusOr<ChordLevel> ChooseLevel(const Context& context, const DooSabinSur
                       .remedy = "It must be greater than 0 and finite"});
   }
   constexpr int kUsual = 4;
-  const int most =
-      static_cast<int>(std::min<std::uint32_t>(context.limits().max_level, kMaxChordLevel));
+  const int most = static_cast<int>(std::min<std::uint32_t>(
+      {context.limits().max_level, wish.finest, std::uint32_t{kMaxChordLevel}}));
   // Above what six digits round off.
   constexpr double kRoundedUp = 1.00001;
   double best = 0;

@@ -67,13 +67,19 @@ struct ChordLevel {
   double bound = 0;
 };
 
-// The smallest level, up to the context's max_level, whose bound is at most `tolerance`, in model
-// units. Errors: INVALID_OPTION where the tolerance is not above 0 and finite; LIMIT_EXCEEDED,
-// naming surface.chord_tolerance and the smallest tolerance that can be met, where no level does;
-// and those of ChordBounds, which is asked for a few levels first, and for all of them only where
-// these do not do.
+struct ChordWish {
+  // In model units.
+  double tolerance = 0;
+  // The finest level that may be chosen; the context's max_level holds too.
+  std::uint32_t finest = kMaxChordLevel;
+};
+
+// The smallest level whose bound is at most the tolerance. Errors: INVALID_OPTION where the
+// tolerance is not above 0 and finite; LIMIT_EXCEEDED, naming surface.chord_tolerance and the
+// smallest tolerance that can be met, where no level does; and those of ChordBounds, which is asked
+// for a few levels first, and for all of them only where these do not do.
 [[nodiscard]] absl::StatusOr<ChordLevel> ChooseLevel(const Context& context,
                                                      const DooSabinSurface& surface,
-                                                     double tolerance);
+                                                     const ChordWish& wish);
 
 }  // namespace limn

@@ -16,6 +16,8 @@ enum class FirstRule {
   kModified,
   // The scheme's own, Nasri's method for Doo-Sabin [ZC Eq. 1].
   kStandard,
+  // Vertices stay, edges get their midpoints: Catmull-Clark only, see RefineCatmullClark.
+  kBilinear,
 };
 
 // [ZC Eq. 1] for a quad: the image of `own`.

@@ -13,9 +13,12 @@ absl::StatusOr<LimitOperator> LimitOperator::Make(const Context& context, const 
   LimitOperator result;
   result.stencil_ = {.rows = stencil.rows,
                      .row_of = {},
+                     .weighted = {},
+                     .weighted_row = stencil.weighted_row,
                      .face_rule = stencil.face_rule,
                      .spectrum_low = stencil.spectrum_low,
                      .spectrum_high = stencil.spectrum_high};
+  result.uses_edges_ = stencil.uses_edges();
   LIMN_ASSIGN_OR_RETURN(result.faces_, GatherPlan::Make(context, mesh.face_begin(), {}, 1));
   LIMN_ASSIGN_OR_RETURN(result.vertices_, GatherPlan::Make(context, mesh.fan_begin(),
                                                            stencil.row_of, stencil.rows.size()));
@@ -24,19 +27,46 @@ absl::StatusOr<LimitOperator> LimitOperator::Make(const Context& context, const 
   LIMN_RETURN_IF_ERROR(result.faces_.Fill(context, mesh.face_begin(),
                                           [&](Index h) { return vertex_slot[mesh.vertex()[h]]; }));
   LIMN_RETURN_IF_ERROR(result.FillVertices(context, mesh));
-  if (!stencil.uses_edges()) return result;
-  result.neighbours_.resize(mesh.half_edge_count());
+  if (result.uses_edges_) LIMN_RETURN_IF_ERROR(result.FillNeighbours(context, mesh));
+  if (!stencil.weighted.empty()) {
+    LIMN_RETURN_IF_ERROR(result.FillWeights(context, mesh, stencil));
+  }
+  return result;
+}
+
+absl::Status LimitOperator::FillNeighbours(const Context& context, const HalfEdgeMesh& mesh) {
+  neighbours_.resize(mesh.half_edge_count());
+  const absl::Span<const Index> vertex_slot = vertices_.slot_of_row();
   const PolygonWalk walk(mesh);
-  LIMN_RETURN_IF_ERROR(result.vertices_.ForEachRun(context, [&](const GatherPlan::Run& run) {
+  return vertices_.ForEachRun(context, [&](const GatherPlan::Run& run) {
     Index item = run.item;
     for (Index slot = run.begin; slot < run.end; ++slot) {
-      const Index fan = mesh.fan_begin()[result.vertices_.row_of_slot()[slot]];
+      const Index fan = mesh.fan_begin()[vertices_.row_of_slot()[slot]];
       for (Index j = 0; j < run.length; ++j) {
-        result.neighbours_[item++] = vertex_slot[mesh.vertex()[walk.Next(mesh.fan()[fan + j])]];
+        neighbours_[item++] = vertex_slot[mesh.vertex()[walk.Next(mesh.fan()[fan + j])]];
       }
     }
-  }));
-  return result;
+  });
+}
+
+absl::Status LimitOperator::FillWeights(const Context& context, const HalfEdgeMesh& mesh,
+                                        const LimitStencil& stencil) {
+  edge_weights_.resize(mesh.half_edge_count());
+  face_weights_.resize(mesh.half_edge_count());
+  const WeightedRows& rows = stencil.weighted;
+  return vertices_.ForEachRun(context, [&](const GatherPlan::Run& run) {
+    if (run.kind != stencil.weighted_row) return;
+    Index item = run.item;
+    for (Index slot = run.begin; slot < run.end; ++slot, item += run.length) {
+      const Index v = vertices_.row_of_slot()[slot];
+      const auto row = std::lower_bound(rows.vertex.begin(), rows.vertex.end(), v);
+      const std::size_t first = rows.begin[static_cast<std::size_t>(row - rows.vertex.begin())];
+      for (Index j = 0; j < run.length; ++j) {
+        edge_weights_[item + j] = rows.edge[first + j];
+        face_weights_[item + j] = rows.face[first + j];
+      }
+    }
+  });
 }
 
 // The face values that each vertex adds up.
@@ -98,6 +128,18 @@ absl::Status LimitOperator::FaceValues(const Context& context, absl::Span<const 
   });
 }
 
+absl::Status LimitOperator::SymmetricWeights(const Context& context,
+                                             absl::Span<double> weights) const {
+  return vertices_.ForEachRun(context, [&](const GatherPlan::Run& run) {
+    const LimitRow& row = stencil_.rows[run.kind];
+    // What a vertex takes from a neighbour, and that from it, becomes equal: edges / valence and
+    // faces / valence are in a fixed proportion in every row of a scheme.
+    const double taken = row.edges != 0 ? row.edges : row.faces;
+    const double weight = taken == 0 ? 1 : run.length / taken;
+    std::fill(weights.begin() + run.begin, weights.begin() + run.end, weight);
+  });
+}
+
 absl::Status LimitOperator::Diagonal(const Context& context, absl::Span<double> diagonal) const {
   // Of each face value, the part that the vertex's own point has in it.
   Buffer<double> own(face_value_count());
@@ -115,6 +157,14 @@ absl::Status LimitOperator::Diagonal(const Context& context, absl::Span<double> 
     const Index* value = vertices_.items(run);
     for (Index slot = run.begin; slot < run.end; ++slot, value += run.length) {
       double sum = 0;
+      if (run.kind == stencil_.weighted_row) {
+        const Index item = run.item + (slot - run.begin) * run.length;
+        for (Index j = 0; j < run.length; ++j) {
+          sum -= edge_weights_[item + j] + face_weights_[item + j] * (1 - own[value[j]]);
+        }
+        diagonal[slot] = 1 + sum;
+        continue;
+      }
       for (Index j = 0; j < run.length; ++j) sum += own[value[j]];
       diagonal[slot] = row.vertex + row.faces * sum / run.length;
     }

@@ -36,7 +36,8 @@ class LimitOperator {
   double spectrum_low() const { return stencil_.spectrum_low; }
   double spectrum_high() const { return stencil_.spectrum_high; }
   // Whether limit points see neighbours' points directly, not through centroids only.
-  bool uses_edges() const { return stencil_.uses_edges(); }
+  bool uses_edges() const { return uses_edges_; }
+  bool symmetric() const { return edge_weights_.empty(); }
 
   // slots[slot of v] = points[v], and back.
   [[nodiscard]] absl::Status ToSlots(const Context& context, absl::Span<const Vec3> points,
@@ -59,6 +60,12 @@ class LimitOperator {
         context,
         [&](const GatherPlan::Run& run) {
           double most = 0;
+          if (run.kind == stencil_.weighted_row) {
+            for (Index slot = run.begin; slot < run.end; ++slot) {
+              most = std::max(most, visit(slot, WeightedLimit(run, slot, points, values)));
+            }
+            return most;
+          }
           const LimitRow row = stencil_.rows[run.kind];
           const double faces = row.faces / run.length;
           if (row.edges == 0) {
@@ -82,20 +89,46 @@ class LimitOperator {
         largest);
   }
 
+  // Positive weights w, in slots, for which diag(w) L is symmetric; 1 where the row is an identity.
+  // Only if symmetric().
+  [[nodiscard]] absl::Status SymmetricWeights(const Context& context,
+                                              absl::Span<double> weights) const;
+
   // The diagonal of L, the weight of each vertex's own point in its limit point, in slots.
   [[nodiscard]] absl::Status Diagonal(const Context& context, absl::Span<double> diagonal) const;
 
  private:
   LimitOperator() = default;
   [[nodiscard]] absl::Status FillVertices(const Context& context, const HalfEdgeMesh& mesh);
+  [[nodiscard]] absl::Status FillNeighbours(const Context& context, const HalfEdgeMesh& mesh);
+  [[nodiscard]] absl::Status FillWeights(const Context& context, const HalfEdgeMesh& mesh,
+                                         const LimitStencil& stencil);
 
+  // By differences, so that points far from the origin lose nothing.
+  Vec3 WeightedLimit(const GatherPlan::Run& run, Index slot, const Vec3* points,
+                     const Vec3* values) const {
+    const Index item = run.item + (slot - run.begin) * run.length;
+    const Index* face = vertices_.items(run) + (item - run.item);
+    Vec3 sum = {0, 0, 0};
+    for (Index i = 0; i < run.length; ++i) {
+      sum += edge_weights_[item + i] * (points[neighbours_[item + i]] - points[slot]);
+      sum += face_weights_[item + i] * (values[face[i]] - points[slot]);
+    }
+    return points[slot] + sum;
+  }
+
+  // Without the rows of single vertices, which are below, and the rows' vertices.
   LimitStencil stencil_;
+  bool uses_edges_ = false;
   std::size_t corner_count_ = 0;
   GatherPlan faces_;
   GatherPlan vertices_;
   // Neighbour along each half-edge of the fans, at the places of the vertices' indices. Empty when
   // the stencil does not use edges.
   Buffer<Index> neighbours_;
+  // At the same places. Empty when no vertex has a row of its own.
+  Buffer<double> edge_weights_;
+  Buffer<double> face_weights_;
 };
 
 }  // namespace limn

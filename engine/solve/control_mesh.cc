@@ -6,38 +6,9 @@
 
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
-#include "engine/scheme/limit_stencil.h"
-#include "engine/solve/curve_solve.h"
 
 namespace limn {
 namespace {
-
-absl::Status SolveBoundary(const Context& context, const ControlMeshProblem& problem,
-                           BoundaryCurve* curve, BoundaryControl* control, double* residual) {
-  const std::size_t size = curve->size();
-  Buffer<Vec3> given(size);
-  Buffer<std::uint8_t> interpolated(size);
-  Buffer<std::uint8_t> fixed(size);
-  control->vertex.resize(size);
-  control->point.resize(size);
-  LIMN_RETURN_IF_ERROR(ParallelFor(context, size, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Index v = problem.mesh.vertex()[curve->half_edge[i]];
-      control->vertex[i] = v;
-      given[i] = problem.model_points[v];
-      interpolated[i] = problem.plan.interpolated(v) ? 1 : 0;
-      fixed[i] = interpolated[i] == 0 || problem.mesh.valence(v) == 1 ? 1 : 0;
-    }
-  }));
-  LIMN_RETURN_IF_ERROR(SolveCurves(context, {.curve = *curve, .points = given, .fixed = fixed},
-                                   absl::MakeSpan(control->point)));
-  return PlaceBoundary(context,
-                       {.mesh = problem.mesh,
-                        .points = given,
-                        .control = control->point,
-                        .interpolated = interpolated},
-                       curve, residual);
-}
 
 // Vertices whose control points are known before the solve.
 absl::Status FixKnown(const Context& context, const ControlMeshProblem& problem,
@@ -55,33 +26,60 @@ absl::Status FixKnown(const Context& context, const ControlMeshProblem& problem,
 
 }  // namespace
 
-absl::StatusOr<ControlMeshReport> SolveControlMesh(const Context& context,
-                                                   const ControlMeshProblem& problem,
-                                                   const SolveOptions& options,
-                                                   BoundaryCurve* curve, absl::Span<Vec3> control) {
-  ControlMeshReport report;
-  LimitStencil stencil =
-      problem.rule == FirstRule::kStandard ? DooSabinStandardStencil() : DooSabinModifiedStencil();
-  double curve_residual = 0;
+absl::StatusOr<BoundaryControl> SolveBoundary(const Context& context,
+                                              const ControlMeshProblem& problem,
+                                              const BoundaryProblem& boundary) {
+  BoundaryControl control;
+  const std::size_t size = boundary.curve.size();
+  if (size == 0) return control;
+  control.vertex.resize(size);
+  control.point.resize(size);
+  control.given.resize(size);
+  control.interpolated.resize(size);
+  Buffer<std::uint8_t> fixed(size);
+  LIMN_RETURN_IF_ERROR(ParallelFor(context, size, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Index v = problem.mesh.vertex()[boundary.curve.half_edge[i]];
+      const bool corner = !boundary.corner.empty() && boundary.corner[i] != 0;
+      control.vertex[i] = v;
+      control.given[i] = problem.model_points[v];
+      control.interpolated[i] = problem.plan.interpolated(v) ? 1 : 0;
+      fixed[i] = control.interpolated[i] == 0 || corner ? 1 : 0;
+    }
+  }));
+  const CurveProblem curves = {.curve = boundary.curve,
+                               .points = control.given,
+                               .fixed = fixed,
+                               .stencil = boundary.stencil,
+                               .vertex_weights = boundary.vertex_weights};
+  LIMN_RETURN_IF_ERROR(SolveCurves(context, curves, absl::MakeSpan(control.point)));
+  LIMN_RETURN_IF_ERROR(CurveResidual(context, curves, control.point, &control.residual));
+  return control;
+}
+
+absl::StatusOr<SolveReport> SolveControlMesh(const Context& context,
+                                             const ControlMeshProblem& problem,
+                                             const BoundaryControl& boundary, InteriorSolve solve,
+                                             absl::Span<Vec3> control) {
   absl::Span<const Vec3> points = problem.points;
   Buffer<Vec3> targets;
-  if (!curve->empty()) {
-    LIMN_RETURN_IF_ERROR(SolveBoundary(context, problem, curve, &report.boundary, &curve_residual));
+  if (!boundary.vertex.empty()) {
     targets.assign(points.begin(), points.end());
-    for (std::size_t i = 0; i < curve->size(); ++i) {
-      targets[report.boundary.vertex[i]] = report.boundary.point[i] - curve->origin;
+    for (std::size_t i = 0; i < boundary.vertex.size(); ++i) {
+      targets[boundary.vertex[i]] = boundary.point[i] - problem.origin;
     }
     points = targets;
   }
-  if (!curve->empty() || !problem.plan.interpolates_all()) {
-    LIMN_RETURN_IF_ERROR(FixKnown(context, problem, &stencil));
+  if (!boundary.vertex.empty() || !problem.plan.interpolates_all()) {
+    LIMN_RETURN_IF_ERROR(FixKnown(context, problem, &solve.stencil));
   }
-  LIMN_ASSIGN_OR_RETURN(
-      report.solve,
-      Solve(context,
-            {.mesh = problem.mesh, .stencil = stencil, .points = points, .scale = problem.scale},
-            options, control));
-  report.solve.residual = std::max(report.solve.residual, curve_residual / problem.scale);
+  LIMN_ASSIGN_OR_RETURN(SolveReport report, Solve(context,
+                                                  {.mesh = problem.mesh,
+                                                   .stencil = solve.stencil,
+                                                   .points = points,
+                                                   .scale = problem.scale},
+                                                  solve.options, control));
+  report.residual = std::max(report.residual, boundary.residual / problem.scale);
   return report;
 }
 

@@ -9,7 +9,9 @@
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
 #include "engine/scheme/limit_operator.h"
+#include "engine/solve/conjugate_gradient.h"
 #include "engine/solve/gauss_seidel.h"
+#include "engine/solve/linear_system.h"
 
 namespace limn {
 namespace {
@@ -32,15 +34,19 @@ class Sweeper {
         values_(limit.face_value_count()) {}
 
   absl::Status Start(absl::Span<const Vec3> points) {
+    LIMN_RETURN_IF_ERROR(limit_.ToSlots(context_, points, absl::MakeSpan(points_)));
+    return ParallelFor(context_, x_.size(), [&](std::size_t begin, std::size_t end) {
+      for (std::size_t slot = begin; slot < end; ++slot) x_[slot] = points_[slot];
+    });
+  }
+
+  // Before the first sweep.
+  absl::Status StartSweeps() {
     step_.resize(x_.size());
     // Rows without neighbours' points see x through the face values only, so x can change in place.
     if (limit_.uses_edges()) next_.resize(x_.size());
-    LIMN_RETURN_IF_ERROR(limit_.ToSlots(context_, points, absl::MakeSpan(points_)));
     return ParallelFor(context_, x_.size(), [&](std::size_t begin, std::size_t end) {
-      for (std::size_t slot = begin; slot < end; ++slot) {
-        x_[slot] = points_[slot];
-        step_[slot] = {0, 0, 0};
-      }
+      for (std::size_t slot = begin; slot < end; ++slot) step_[slot] = {0, 0, 0};
     });
   }
 
@@ -94,6 +100,9 @@ class Sweeper {
         context_, x_.data(), values_.data(),
         [&](Index slot, const Vec3& limit) { return MaxAbs(points_[slot] - limit); }, largest);
   }
+
+  LinearSystem System() const { return {context_, limit_, points_}; }
+  absl::Span<Vec3> x() { return absl::MakeSpan(x_); }
 
   absl::Status SetX(absl::Span<const Vec3> x) {
     return limit_.ToSlots(context_, x, absl::MakeSpan(x_));
@@ -184,32 +193,99 @@ absl::Status ValidateSolveOptions(const SolveOptions& options) {
   return absl::OkStatus();
 }
 
+namespace {
+
+// Chebyshev's sweeps to a tolerance grow like the root of the condition number; below this bound
+// conjugate gradients, which see the spectrum as it is, are the better choice.
+constexpr double kLeastBound = 1.0 / 32;
+
+SolveMethod Choose(SolveMethod asked, const LimitOperator& limit) {
+  if (asked != SolveMethod::kAutomatic) return asked;
+  return limit.spectrum_low() >= kLeastBound ? SolveMethod::kChebyshev
+                                             : SolveMethod::kConjugateGradient;
+}
+
+absl::Status CheckMethod(SolveMethod method, const LimitOperator& limit) {
+  if (method == SolveMethod::kChebyshev && !(limit.spectrum_low() > 0)) {
+    return MakeError("no bound of the spectrum is proved for this mesh, which Chebyshev needs",
+                     {.reason = Reason::kInvalidOption,
+                      .field = "solve.method",
+                      .remedy = "Use conjugate gradients or the default"});
+  }
+  if (method == SolveMethod::kGaussSeidel && !limit.symmetric()) {
+    return MakeError("Gauss-Seidel sweeps are for meshes on which nothing is sharp",
+                     {.reason = Reason::kInvalidOption,
+                      .field = "solve.method",
+                      .remedy = "Use conjugate gradients or the default"});
+  }
+  return absl::OkStatus();
+}
+
+absl::Status SolveSerially(const Context& context, const SolveProblem& problem,
+                           const SolveOptions& options, absl::Span<Vec3> x, SolveReport* report) {
+  std::copy(problem.points.begin(), problem.points.end(), x.begin());
+  GaussSeidel serial(problem.mesh, problem.stencil, problem.points, x);
+  return Iterate(
+      context, problem.scale, options,
+      [&](double* largest) { return serial.Sweep(context, largest); }, report);
+}
+
+absl::Status SolveBySweeps(const Context& context, const LimitOperator& limit, double scale,
+                           const SolveOptions& options, Sweeper* sweeper, SolveReport* report) {
+  LIMN_RETURN_IF_ERROR(sweeper->StartSweeps());
+  const bool chebyshev = report->method == SolveMethod::kChebyshev;
+  if (report->method == SolveMethod::kJacobi) LIMN_RETURN_IF_ERROR(sweeper->UseJacobiWeights());
+  ChebyshevFactors factors(limit.spectrum_low(), limit.spectrum_high());
+  return Iterate(
+      context, scale, options,
+      [&](double* largest) {
+        return sweeper->Sweep(chebyshev ? factors.Next() : SweepFactors{}, largest);
+      },
+      report);
+}
+
+absl::Status SolveByConjugateGradients(const Context& context, const LimitOperator& limit,
+                                       double scale, const SolveOptions& options, Sweeper* sweeper,
+                                       SolveReport* report) {
+  const KrylovOptions krylov = {
+      .tolerance = options.tolerance * scale, .max_products = options.max_sweeps, .scale = scale};
+  LinearSystem system = sweeper->System();
+  KrylovResult result;
+  if (limit.symmetric()) {
+    Buffer<double> weights(limit.vertex_count());
+    LIMN_RETURN_IF_ERROR(limit.SymmetricWeights(context, absl::MakeSpan(weights)));
+    LIMN_ASSIGN_OR_RETURN(result, ConjugateGradient(&system, weights, krylov, sweeper->x()));
+  } else {
+    LIMN_ASSIGN_OR_RETURN(result, BiconjugateGradientStabilized(&system, krylov, sweeper->x()));
+  }
+  report->sweeps = result.products;
+  report->converged = result.converged;
+  report->last_update = result.residual / scale;
+  report->least_eigenvalue = result.least_eigenvalue;
+  return absl::OkStatus();
+}
+
+}  // namespace
+
 absl::StatusOr<SolveReport> Solve(const Context& context, const SolveProblem& problem,
                                   const SolveOptions& options, absl::Span<Vec3> solution) {
   LIMN_RETURN_IF_ERROR(ValidateSolveOptions(options));
-  SolveReport report;
-  report.method = options.method;
   LIMN_ASSIGN_OR_RETURN(const LimitOperator limit,
                         LimitOperator::Make(context, problem.mesh, problem.stencil));
+  SolveReport report;
+  report.method = Choose(options.method, limit);
+  report.least_eigenvalue = std::max(0.0, limit.spectrum_low());
+  LIMN_RETURN_IF_ERROR(CheckMethod(report.method, limit));
   Sweeper sweeper(context, limit);
   LIMN_RETURN_IF_ERROR(sweeper.Start(problem.points));
-  if (options.method == SolveMethod::kGaussSeidel) {
-    std::copy(problem.points.begin(), problem.points.end(), solution.begin());
-    GaussSeidel serial(problem.mesh, problem.stencil, problem.points, solution);
-    LIMN_RETURN_IF_ERROR(Iterate(
-        context, problem.scale, options,
-        [&](double* largest) { return serial.Sweep(context, largest); }, &report));
+  if (report.method == SolveMethod::kGaussSeidel) {
+    LIMN_RETURN_IF_ERROR(SolveSerially(context, problem, options, solution, &report));
     LIMN_RETURN_IF_ERROR(sweeper.SetX(solution));
   } else {
-    const bool chebyshev = options.method == SolveMethod::kChebyshev;
-    if (!chebyshev) LIMN_RETURN_IF_ERROR(sweeper.UseJacobiWeights());
-    ChebyshevFactors factors(limit.spectrum_low(), limit.spectrum_high());
-    LIMN_RETURN_IF_ERROR(Iterate(
-        context, problem.scale, options,
-        [&](double* largest) {
-          return sweeper.Sweep(chebyshev ? factors.Next() : SweepFactors{}, largest);
-        },
-        &report));
+    LIMN_RETURN_IF_ERROR(
+        report.method == SolveMethod::kConjugateGradient
+            ? SolveByConjugateGradients(context, limit, problem.scale, options, &sweeper, &report)
+            : SolveBySweeps(context, limit, problem.scale, options, &sweeper, &report));
     LIMN_RETURN_IF_ERROR(sweeper.GetX(solution));
   }
   LIMN_RETURN_IF_ERROR(sweeper.TrueResidual(&report.residual));

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Solves L X = I for the control mesh X whose limit points L X are the given points I, matrix-free.
 // Sources: Zheng and Cai 2005, Eqs. 6 and 7 (Jacobi, Gauss-Seidel) and section 3.4 (stopping);
-// Golub and van Loan, Matrix Computations, section 10.1.5 (Chebyshev semi-iteration).
+// Golub and van Loan, Matrix Computations, section 10.1.5 (Chebyshev semi-iteration); Cheng et al.,
+// "Progressive interpolation using Loop subdivision surfaces", 2008 (series).
 #pragma once
 
 #include <cstdint>
@@ -17,6 +18,9 @@
 namespace limn {
 
 enum class SolveMethod {
+  // Chebyshev where a bound of the spectrum is proved and does not make it slow, else conjugate
+  // gradients.
+  kAutomatic,
   // Chebyshev semi-iteration with the stencil's proven spectral bounds. No dot products. After k
   // sweeps the error is at most 1 / T_k((high + low) / (high - low)) of the start's in the norm
   // weighted with valences, on every mesh: for the modified rule 2e-13 after 17 sweeps. In the
@@ -30,13 +34,19 @@ enum class SolveMethod {
   kJacobi,
   // The same with the newest values, in vertex order. Serial by nature.
   kGaussSeidel,
+  // X <- X + (I - L X), which adds up the series of (1 - L)^k I: "progressive interpolation" [PI],
+  // and [CC]'s series. Converges where the spectrum is within (0, 2), slowly where it comes near 0.
+  kSeries,
+  // Conjugate gradients; for operators that are not symmetric, where something is sharp, their
+  // stabilised bi-orthogonal relative. A sweep is a product with L. Stops by the residual.
+  kConjugateGradient,
 };
 
 // Largest max_sweeps.
 inline constexpr std::uint32_t kMaxSweeps = 10'000;
 
 struct SolveOptions {
-  SolveMethod method = SolveMethod::kChebyshev;
+  SolveMethod method = SolveMethod::kAutomatic;
   // [ZC]'s EPS: stop when the largest move of a vertex in a sweep (maximum norm) is at most this
   // part of the bounding box's diagonal. Chebyshev asks it of the residual before the sweep too. In
   // [0, 1). 0 runs max_sweeps.
@@ -49,15 +59,19 @@ struct SolveOptions {
 [[nodiscard]] absl::Status ValidateSolveOptions(const SolveOptions& options);
 
 struct SolveReport {
+  // The one that ran, never kAutomatic.
   SolveMethod method = SolveMethod::kChebyshev;
   std::uint32_t sweeps = 0;
   // Whether the tolerance was met within max_sweeps.
   bool converged = false;
-  // Largest move of the last sweep (Chebyshev: or residual before it) over the bounding box's
-  // diagonal.
+  // Largest move of the last sweep (Chebyshev: or residual before it; conjugate gradients: the
+  // residual) over the bounding box's diagonal.
   double last_update = 0;
   // Largest coordinate of |I - L X|, computed anew from X, over the bounding box's diagonal.
   double residual = 0;
+  // The least eigenvalue of L as far as it is known: the bound that is proved of it, or what
+  // conjugate gradients have seen of it. 0: nothing is known, or L is not positive definite.
+  double least_eigenvalue = 0;
 };
 
 // What to solve. Everything belongs to the caller and must outlive the call.
@@ -75,12 +89,13 @@ struct SolveProblem {
 // Solves for X, starting from X = I. solution: one point per vertex, apart from problem.points.
 //
 // Not meeting the tolerance is no error: see SolveReport::converged. Errors: INVALID_OPTION, also
-// for an iteration that diverges; CANCELLED and DEADLINE_EXCEEDED, seen in every chunk of every
+// for an iteration that diverges, for Chebyshev without a bound above 0, and for Gauss-Seidel where
+// vertices have rows of their own; CANCELLED and DEADLINE_EXCEEDED, seen in every chunk of every
 // sweep (Gauss-Seidel: every kDefaultGrain vertices); `solution` is then undefined. Progress: stage
 // "solve", after each sweep.
 //
-// Cost: sweeps + 1 passes over corners; memory of one point per face, three per vertex and two
-// indices per corner.
+// Cost: sweeps + 1 passes over corners; memory of one point per face, three per vertex (conjugate
+// gradients five, or seven where L is not symmetric) and two indices per corner.
 // Same bits for any number of threads. Thread-safe.
 [[nodiscard]] absl::StatusOr<SolveReport> Solve(const Context& context, const SolveProblem& problem,
                                                 const SolveOptions& options,

@@ -53,7 +53,7 @@ struct Input {
               .status());
     surface.corners.resize(surface.mesh.half_edge_count());
     OrDie(FirstRefinement(context, surface.mesh, control, absl::MakeSpan(surface.corners)));
-    OrDie(PerturbToInterpolate(context, surface.mesh, given.positions,
+    OrDie(PerturbToInterpolate(context, {surface.mesh, given.positions},
                                absl::MakeSpan(surface.corners)));
   }
 

@@ -195,13 +195,68 @@ std::vector<BadFile> BadFiles() {
        "constraints.shape_handles[0].value: nan is not"},
       {"HandleInfinite", R"({"shapeHandles": [{"vertex": 4, "value": "Infinity"}]})",
        "constraints.shape_handles[0].value: inf is not"},
-      {"NotBuilt", R"({"creases": [{"vertices": [1, 2], "sharpness": [1]}]})",
-       "constraints.creases: creases are not implemented yet", 3},
+      {"CreasesOfDooSabin", R"({"creases": [{"vertices": [1, 2], "sharpness": [1]}]})",
+       "constraints.creases: creases belong to Catmull-Clark and Loop surfaces"},
+      {"NotBuilt", R"({"features": {}})",
+       "constraints.features: feature values are not implemented yet", 3},
   };
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, BadConstraintsE2e, testing::ValuesIn(BadFiles()),
                          [](const auto& file) { return file.param.name; });
+
+// A cube, of valence 3 everywhere, so that half of the first refinement is bilinear.
+TEST_F(ConstraintsE2e, CreasesCornersAndHolesReachCatmullClark) {
+  WriteAll(At("cube.obj"),
+           "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+           "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n");
+  WriteAll(At("sharp.json"),
+           R"({"creases": [{"vertices": [0, 1, 2], "sharpness": [10]}],
+               "corners": [{"vertex": 6, "sharpness": 2.5}], "holes": [5]})");
+  const RunResult run =
+      space_.Limn({"interpolate", At("cube.obj"), "--scheme", "catmull-clark", "--constraints",
+                   At("sharp.json"), "--level", "1", "-o", At("s.obj"), "--report", At("r.json")});
+  ASSERT_EQ(run.status, 0) << run.errors;
+  const ObjFile surface = ReadObj(At("s.obj"));
+  // Five faces of four quads each; all vertices stay, as the contract numbers them.
+  EXPECT_EQ(surface.faces.size(), 20U);
+  ASSERT_EQ(surface.positions.size(), 26U);
+  const ObjFile given = ReadObj(At("cube.obj"));
+  for (std::size_t v = 0; v < 8; ++v) {
+    EXPECT_LE(Distance(given.positions[v], surface.positions[v]), 1e-11);
+  }
+  const v1::Summary summary = Report();
+  EXPECT_EQ(summary.scheme(), v1::SCHEME_CATMULL_CLARK);
+  EXPECT_EQ(summary.surface_faces(), 20U);
+  EXPECT_LE(summary.certificate().max_error(), 1e-11);
+  const RunResult bad = space_.Limn({"interpolate", At("cube.obj"), "--scheme", "catmull-clark",
+                                     "--strict", "-o", At("bad.obj")});
+  EXPECT_EQ(bad.status, 1);
+  EXPECT_NE(bad.errors.find("solve.strict"), std::string::npos) << bad.errors;
+}
+
+TEST_F(ConstraintsE2e, AChordToleranceChoosesTheLevelAndSaysWhatIsGuaranteed) {
+  std::uint32_t last = 0;
+  for (const std::string tolerance : {"0.5", "0.05", "0.01"}) {
+    const RunResult run = Interpolate({"--chord-tolerance", tolerance, "--report", At("r.json")});
+    ASSERT_EQ(run.status, 0) << run.errors;
+    EXPECT_NE(run.output.find("from the surface"), std::string::npos) << run.output;
+    const v1::Summary summary = Report();
+    EXPECT_GT(summary.chord_bound(), 0);
+    EXPECT_LE(summary.chord_bound(), std::stod(tolerance));
+    EXPECT_GE(summary.level(), last);
+    last = summary.level();
+  }
+  EXPECT_GE(last, 2U);
+  const RunResult impossible = Interpolate({"--chord-tolerance", "1e-9", "--report", At("r.json")});
+  EXPECT_NE(impossible.status, 0);
+  EXPECT_NE(impossible.errors.find("The smallest tolerance that can be met is"), std::string::npos)
+      << impossible.errors;
+  for (const std::string bad : {"0", "-1", "nan", "inf", "x"}) {
+    EXPECT_EQ(Interpolate({"--chord-tolerance", bad}).status, 2) << bad;
+  }
+  EXPECT_EQ(Interpolate({"--chord-tolerance", "1", "--level", "2"}).status, 2);
+}
 
 TEST_F(ConstraintsE2e, FilesThatCannotBeReadAreNamed) {
   for (const std::string name : {"nowhere.json", "."}) {

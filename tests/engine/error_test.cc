@@ -33,6 +33,7 @@ const std::map<Reason, Expected>& AllReasons() {
       {Reason::kInconsistentOrientation,
        {"INCONSISTENT_ORIENTATION", absl::StatusCode::kInvalidArgument}},
       {Reason::kNonManifoldVertex, {"NON_MANIFOLD_VERTEX", absl::StatusCode::kInvalidArgument}},
+      {Reason::kIllConditioned, {"ILL_CONDITIONED", absl::StatusCode::kInvalidArgument}},
       {Reason::kMalformedEncoding, {"MALFORMED_ENCODING", absl::StatusCode::kInvalidArgument}},
       {Reason::kMalformedRequest, {"MALFORMED_REQUEST", absl::StatusCode::kInvalidArgument}},
       {Reason::kMalformedFile, {"MALFORMED_FILE", absl::StatusCode::kInvalidArgument}},

@@ -57,15 +57,24 @@ TEST(InterpolateLimits, RefusesCoordinatesThatArithmeticCannotTake) {
   }
 }
 
-TEST(InterpolateLimits, SchemesThatAreNotBuiltAnswerUnimplemented) {
-  for (const Scheme scheme : {Scheme::kCatmullClark, Scheme::kLoop}) {
-    ExpectError(Refusal(oracle::Cube(), {.scheme = scheme}), {Reason::kUnimplemented, "scheme"});
-  }
+TEST(InterpolateLimits, ChordTolerancesAreDooSabins) {
+  ExpectError(Refusal(oracle::Cube(), {.scheme = Scheme::kCatmullClark, .chord_tolerance = 0.1}),
+              {Reason::kUnimplemented, "surface.chord_tolerance"});
 }
 
-TEST(InterpolateLimits, AChordToleranceAnswersUnimplemented) {
-  ExpectError(Refusal(oracle::Cube(), {.chord_tolerance = 0.1}),
-              {Reason::kUnimplemented, "surface.chord_tolerance"});
+TEST(InterpolateLimits, ChordTolerancesThatNeedTooMuchAreRefusedByName) {
+  const PolygonMesh cube = oracle::Cube();
+  for (const double tolerance : {0.0, -1.0, std::nan("")}) {
+    ExpectError(Refusal(cube, {.chord_tolerance = tolerance}),
+                {Reason::kInvalidOption, "surface.chord_tolerance"});
+  }
+  ExpectError(Refusal(cube, {.chord_tolerance = 1e-3, .finest = 2}),
+              {Reason::kLimitExceeded, "surface.chord_tolerance"});
+  Limits limits;
+  limits.max_bytes = EstimateBytes(8, 6, 24, {.level = 2});
+  const Context context(limits);
+  ExpectError(Interpolate(context, cube, {.chord_tolerance = 1e-3}).status(),
+              {Reason::kLimitExceeded, "surface.chord_tolerance"});
 }
 
 TEST(InterpolateLimits, RefusesOptionsOutOfRange) {
@@ -146,6 +155,38 @@ TEST(InterpolateLimits, EstimateIsAnUpperBoundWithinAFactorOfTwo) {
         EXPECT_LE(estimate, 2 * peak);
       }
     }
+  }
+}
+
+TEST(InterpolateLimits, EstimateIsAnUpperBoundForTheOtherSchemesToo) {
+  const PolygonMesh polygons = Generated(MeshKind::kIrregularSphere, 20000 / oracle::kSlowdown);
+  const PolygonMesh triangles = oracle::Triangulated(polygons);
+  std::vector<InterpolateOptions> all;
+  for (const Scheme scheme : {Scheme::kCatmullClark, Scheme::kLoop}) {
+    for (const std::uint32_t level : {0U, 1U, 2U}) {
+      all.push_back({.scheme = scheme, .level = level});
+    }
+    all.push_back({.scheme = scheme, .surface = false});
+    all.push_back(
+        {.scheme = scheme, .solve = {.method = SolveMethod::kConjugateGradient}, .surface = false});
+    const Index a = polygons.corner_vertex[0];
+    const Index b = polygons.corner_vertex[1];
+    all.push_back({.scheme = scheme,
+                   .constraints = {.creases = {{{a, b}, {2.5F}}}, .holes = {3}},
+                   .level = 1});
+  }
+  all.push_back({.scheme = Scheme::kCatmullClark, .rule = FirstRule::kBilinear, .level = 0});
+  for (const InterpolateOptions& options : all) {
+    SCOPED_TRACE(absl::StrCat(static_cast<int>(options.scheme), ", level ", options.level,
+                              ", surface ", options.surface, ", creases ",
+                              options.constraints.creases.size()));
+    const PolygonMesh& mesh = options.scheme == Scheme::kLoop ? triangles : polygons;
+    const std::uint64_t estimate =
+        EstimateBytes(mesh.vertex_count(), mesh.face_count(), mesh.corner_count(), options);
+    const AllocationMeter meter;
+    ASSERT_TRUE(Refusal(mesh, options).ok());
+    EXPECT_LE(meter.peak(), estimate);
+    EXPECT_LE(estimate, 3 * meter.peak());
   }
 }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/mesh/generate.h"
-#include "tests/engine/creased_level.h"
+#include "tests/oracle/creased_level.h"
 
 namespace limn {
 namespace {

@@ -19,7 +19,7 @@ TEST(RenumberConstraints, EveryCopyOfAVertexGetsWhatItHad) {
   given.interpolate = {4, 3, 0};
   given.normals = {{3, {0, 0, 2}}};
   given.shape_handles = {{2, 0.5}, {3, 2}};
-  LIMN_ASSERT_OK_AND_ASSIGN(const Constraints result, RenumberConstraints(given, kOriginal));
+  LIMN_ASSERT_OK_AND_ASSIGN(const Constraints result, RenumberConstraints(given, kOriginal, {}));
   EXPECT_EQ(*result.interpolate, (std::vector<Index>{3, 2, 4, 0}));
   ASSERT_EQ(result.normals.size(), 2U);
   EXPECT_EQ(result.normals[0].vertex, 2U);
@@ -31,23 +31,47 @@ TEST(RenumberConstraints, EveryCopyOfAVertexGetsWhatItHad) {
   EXPECT_EQ(result.shape_handles[2].value, 2);
 }
 
+TEST(RenumberConstraints, WhatIsSharpFollowsItsVerticesAndFaces) {
+  Constraints given;
+  given.creases = {{.vertices = {4, 0, 2}, .sharpness = {3}}};
+  given.corners = {{.vertex = 3, .sharpness = 1.5F}};
+  given.holes = {4, 1};
+  // Face 4 has become two, face 1 is gone.
+  const std::vector<Index> faces = {0, 2, 4, 3, 4};
+  LIMN_ASSERT_OK_AND_ASSIGN(const Constraints result, RenumberConstraints(given, kOriginal, faces));
+  ASSERT_EQ(result.creases.size(), 1U);
+  EXPECT_EQ(result.creases[0].vertices, (std::vector<Index>{3, 0, 1}));
+  EXPECT_EQ(result.creases[0].sharpness, std::vector<float>{3});
+  ASSERT_EQ(result.corners.size(), 2U);
+  EXPECT_EQ(result.corners[0].vertex, 2U);
+  EXPECT_EQ(result.corners[1].vertex, 4U);
+  EXPECT_EQ(result.holes, (std::vector<Index>{2, 4}));
+}
+
+TEST(RenumberConstraints, CreasesThroughSplitVerticesAreRefused) {
+  Constraints given;
+  given.creases = {{.vertices = {0, 3}, .sharpness = {1}}};
+  oracle::ExpectError(RenumberConstraints(given, kOriginal, {}).status(),
+                      {Reason::kInvalidOption, "constraints.creases[0].vertices[1]", 1});
+}
+
 TEST(RenumberConstraints, AllVerticesStayAllVertices) {
-  LIMN_ASSERT_OK_AND_ASSIGN(const Constraints result, RenumberConstraints({}, kOriginal));
+  LIMN_ASSERT_OK_AND_ASSIGN(const Constraints result, RenumberConstraints({}, kOriginal, {}));
   EXPECT_FALSE(result.interpolate.has_value());
 }
 
 TEST(RenumberConstraints, VerticesThatRepairLeftOutAreNamed) {
   Constraints normal;
   normal.normals = {{0, {0, 0, 1}}, {1, {0, 0, 1}}};
-  oracle::ExpectError(RenumberConstraints(normal, kOriginal).status(),
+  oracle::ExpectError(RenumberConstraints(normal, kOriginal, {}).status(),
                       {Reason::kInvalidOption, "constraints.normals[1].vertex"});
   Constraints subset;
   subset.interpolate = {1};
-  oracle::ExpectError(RenumberConstraints(subset, kOriginal).status(),
+  oracle::ExpectError(RenumberConstraints(subset, kOriginal, {}).status(),
                       {Reason::kInvalidOption, "constraints.interpolate.vertices[0]"});
   Constraints handle;
   handle.shape_handles = {{1, 2}};
-  oracle::ExpectError(RenumberConstraints(handle, kOriginal).status(),
+  oracle::ExpectError(RenumberConstraints(handle, kOriginal, {}).status(),
                       {Reason::kInvalidOption, "constraints.shape_handles[0].vertex"});
 }
 

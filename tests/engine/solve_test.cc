@@ -21,7 +21,8 @@ using oracle::Points;
 using oracle::Real;
 
 constexpr SolveMethod kMethods[] = {SolveMethod::kChebyshev, SolveMethod::kJacobi,
-                                    SolveMethod::kGaussSeidel};
+                                    SolveMethod::kGaussSeidel, SolveMethod::kSeries,
+                                    SolveMethod::kConjugateGradient};
 
 struct Solution {
   SolveReport report;
@@ -143,6 +144,7 @@ TEST_P(SolveTest, ResidualIsTheTrueResidual) {
 
 TEST_P(SolveTest, StopsAtTheFirstSweepThatMovesLessThanTheTolerance) {
   for (const SolveMethod method : kMethods) {
+    if (method == SolveMethod::kConjugateGradient) continue;  // stops by the residual, see below
     for (const double tolerance : {1e-1, 1e-3, 1e-7}) {
       SCOPED_TRACE(absl::StrCat(static_cast<int>(method), ", tolerance: ", tolerance));
       const Solution stopped = SolveMesh(mesh_, {.method = method, .tolerance = tolerance});
@@ -167,6 +169,30 @@ TEST_P(SolveTest, StopsAtTheFirstSweepThatMovesLessThanTheTolerance) {
       }
     }
   }
+}
+
+TEST_P(SolveTest, ConjugateGradientsStopAtTheFirstStepWhoseTrueResidualIsWithinTheTolerance) {
+  for (const double tolerance : {1e-1, 1e-3, 1e-7}) {
+    const auto run = [&](double limit, std::uint32_t steps) {
+      return SolveMesh(
+          mesh_,
+          {.method = SolveMethod::kConjugateGradient, .tolerance = limit, .max_sweeps = steps});
+    };
+    const Solution stopped = run(tolerance, 100);
+    ASSERT_TRUE(stopped.report.converged);
+    EXPECT_LE(stopped.report.residual, tolerance);
+    EXPECT_EQ(stopped.report.last_update, stopped.report.residual);
+    if (stopped.report.sweeps == 0) continue;
+    const Solution before = run(0, stopped.report.sweeps - 1);
+    EXPECT_GT(before.report.residual, tolerance);
+  }
+}
+
+// [ZC]'s operator has its spectrum in [1/2, 1], and the Lanczos process sees some of it.
+TEST_P(SolveTest, ConjugateGradientsSeeNoEigenvalueBelowTheLeastOne) {
+  const Solution solution = SolveMesh(mesh_, {.method = SolveMethod::kConjugateGradient});
+  EXPECT_GE(solution.report.least_eigenvalue, 0.5 - 1e-6);
+  EXPECT_LE(solution.report.least_eigenvalue, 1);
 }
 
 LIMN_FOR_CLOSED_MESHES(SolveTest);
@@ -212,7 +238,7 @@ TEST(Solve, NotMeetingTheToleranceIsNoError) {
 
 TEST(Solve, DefaultsAreThoseOfTheContract) {
   const SolveOptions options;
-  EXPECT_EQ(options.method, SolveMethod::kChebyshev);
+  EXPECT_EQ(options.method, SolveMethod::kAutomatic);
   EXPECT_EQ(options.tolerance, 1e-12);
   EXPECT_EQ(options.max_sweeps, 100U);
 }

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <thread>
 
+#include "tests/oracle/slowdown.h"
 #include "tests/server/service_fixture.h"
 
 namespace limn {
@@ -46,9 +47,10 @@ TEST(CancelTest, ARunningJobStopsAndItsPlaceComesBack) {
 TEST(CancelTest, ADeadlineStopsARunningJob) {
   const std::unique_ptr<Server> server = StartServer(OnePlace());
   const auto channel = server->InProcessChannel();
+  const auto upload = MakeUpload(MakeEndlessHeader(), MakeSphere(20'000));
   {
-    RawCall call(channel, milliseconds(700));
-    ASSERT_TRUE(call.Write(MakeUpload(MakeEndlessHeader(), MakeSphere(20'000))));
+    RawCall call(channel, milliseconds(700) * oracle::kSlowdown);
+    ASSERT_TRUE(call.Write(upload));
     EXPECT_EQ(ReasonOf(call.Finish()), Reason::kDeadlineExceeded);
   }
   EXPECT_TRUE(PlaceBecomesFree(channel));
@@ -186,9 +188,9 @@ TEST(StallTest, AReaderThatStandsStillIsEndedAndAWorkingOneIsNot) {
   EXPECT_TRUE(PlaceBecomesFree(channel));
 
   // A job that takes longer than the limit is not a stall.
-  v1::InterpolateHeader header = MakeEndlessHeader();
+  const auto upload = MakeUpload(MakeEndlessHeader(), MakeSphere(50'000));
   RawCall working(channel);
-  ASSERT_TRUE(working.Write(MakeUpload(header, MakeSphere(50'000))));
+  ASSERT_TRUE(working.Write(upload));
   const auto start = steady_clock::now();
   while (steady_clock::now() - start < milliseconds(2000)) {
     ASSERT_TRUE(working.Read().has_value()) << working.Finish();

@@ -52,6 +52,32 @@ TEST(ConstraintsFromProtoTest, EveryEntryArrivesInItsOrder) {
   EXPECT_EQ(ConstraintBytes(*got), 3 * 4 + 2 * sizeof(NormalConstraint) + 2 * sizeof(ShapeHandle));
 }
 
+TEST(ConstraintsFromProtoTest, WhatIsSharpArrivesInItsOrder) {
+  v1::Constraints constraints;
+  v1::Crease* crease = constraints.add_creases();
+  for (const Index v : {3U, 1U, 2U}) crease->add_vertices(v);
+  crease->add_sharpness(10);
+  crease->add_sharpness(0.5);
+  constraints.add_creases()->add_vertices(4);
+  v1::SharpVertex* corner = constraints.add_corners();
+  corner->set_vertex(6);
+  corner->set_sharpness(2.25);
+  constraints.add_holes(5);
+  constraints.add_holes(0);
+  const absl::StatusOr<Constraints> got = ConstraintsFromProto(constraints, 8);
+  ASSERT_TRUE(got.ok()) << got.status();
+  ASSERT_EQ(got->creases.size(), 2U);
+  EXPECT_EQ(got->creases[0].vertices, (std::vector<Index>{3, 1, 2}));
+  EXPECT_EQ(got->creases[0].sharpness, (std::vector<float>{10, 0.5F}));
+  EXPECT_EQ(got->creases[1].vertices, (std::vector<Index>{4}));
+  ASSERT_EQ(got->corners.size(), 1U);
+  EXPECT_EQ(got->corners[0].vertex, 6U);
+  EXPECT_EQ(got->corners[0].sharpness, 2.25F);
+  EXPECT_EQ(got->holes, (std::vector<Index>{5, 0}));
+  EXPECT_EQ(ConstraintBytes(*got),
+            2 * sizeof(CreaseConstraint) + 4 * 4 + 2 * 4 + sizeof(CornerConstraint) + 2 * 4);
+}
+
 TEST(ConstraintsFromProtoTest, AnAbsentSubsetIsAllVerticesAndAnEmptyOneIsNone) {
   const absl::StatusOr<Constraints> absent = ConstraintsFromProto({}, 8);
   ASSERT_TRUE(absent.ok());
@@ -126,12 +152,6 @@ INSTANTIATE_TEST_SUITE_P(
                             Reason::kInvalidOption, "constraints.normals[1].normal"},
                     BadCase{"SurfacePoints", [](auto* c) { c->add_surface_points(); },
                             Reason::kUnimplemented, "constraints.surface_points"},
-                    BadCase{"Creases", [](auto* c) { c->add_creases(); }, Reason::kUnimplemented,
-                            "constraints.creases"},
-                    BadCase{"Corners", [](auto* c) { c->add_corners(); }, Reason::kUnimplemented,
-                            "constraints.corners"},
-                    BadCase{"Holes", [](auto* c) { c->add_holes(1); }, Reason::kUnimplemented,
-                            "constraints.holes"},
                     BadCase{"Features", [](auto* c) { c->mutable_features(); },
                             Reason::kUnimplemented, "constraints.features"}),
     [](const auto& test) { return test.param.name; });

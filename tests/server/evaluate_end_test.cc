@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "proto/wire/samples.h"
+#include "tests/oracle/slowdown.h"
 #include "tests/server/service_fixture.h"
 
 namespace limn {
@@ -68,9 +69,10 @@ TEST(EvaluateCancelTest, ARunningJobStopsAndItsPlaceComesBack) {
 
 TEST(EvaluateCancelTest, ADeadlineStopsARunningJob) {
   const std::unique_ptr<Server> server = StartServer(OnePlace());
+  const auto upload = MakeEvaluateUpload(MakeEndlessEvaluation(), MakeSphere(20'000));
   {
-    RawEvaluation call(server->InProcessChannel(), milliseconds(700));
-    ASSERT_TRUE(call.Write(MakeEvaluateUpload(MakeEndlessEvaluation(), MakeSphere(20'000))));
+    RawEvaluation call(server->InProcessChannel(), milliseconds(700) * oracle::kSlowdown);
+    ASSERT_TRUE(call.Write(upload));
     EXPECT_EQ(ReasonOf(call.Finish()), Reason::kDeadlineExceeded);
   }
   EXPECT_TRUE(PlaceBecomesFree(server->InProcessChannel()));
@@ -78,7 +80,7 @@ TEST(EvaluateCancelTest, ADeadlineStopsARunningJob) {
 
 TEST(EvaluateCancelTest, ADeadlineEndsACallThatWaitsForParameters) {
   const std::unique_ptr<Server> server = StartServer();
-  RawEvaluation call(server->InProcessChannel(), milliseconds(500));
+  RawEvaluation call(server->InProcessChannel(), milliseconds(500) * oracle::kSlowdown);
   ASSERT_TRUE(call.Write(MakeEvaluateUpload(MakeEvaluateHeader(), MakeSphere(100))));
   EXPECT_EQ(ReasonOf(call.Finish()), Reason::kDeadlineExceeded);
 }
@@ -157,8 +159,9 @@ TEST(EvaluateStallTest, ALongJobIsNoStall) {
   ServerOptions options = OnePlace();
   options.limits.stall_seconds = 1;
   const std::unique_ptr<Server> server = StartServer(options);
+  const auto upload = MakeEvaluateUpload(MakeEndlessEvaluation(), MakeSphere(50'000));
   RawEvaluation call(server->InProcessChannel());
-  ASSERT_TRUE(call.Write(MakeEvaluateUpload(MakeEndlessEvaluation(), MakeSphere(50'000))));
+  ASSERT_TRUE(call.Write(upload));
   const auto start = steady_clock::now();
   while (steady_clock::now() - start < milliseconds(2000)) {
     ASSERT_TRUE(call.Read().has_value()) << call.Finish();

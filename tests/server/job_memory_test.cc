@@ -14,6 +14,7 @@
 #include "server/admission.h"
 #include "server/job.h"
 #include "tests/engine/allocation_meter.h"
+#include "tests/oracle/slowdown.h"
 #include "tests/server/service_fixture.h"
 
 namespace limn {
@@ -49,7 +50,7 @@ struct Shape {
 
 std::vector<Shape> Shapes() {
   std::vector<Shape> shapes;
-  for (const std::uint64_t vertices : {std::uint64_t{200}, std::uint64_t{6000}}) {
+  for (const std::uint64_t vertices : {200, 6000 / oracle::kSlowdown}) {
     shapes.push_back({"sphere", Generate(MeshKind::kIrregularSphere, vertices)});
     shapes.push_back({"torus", Generate(MeshKind::kTorus, vertices)});
     shapes.push_back({"high genus", Generate(MeshKind::kHighGenus, vertices)});
@@ -101,8 +102,10 @@ void ExpectBelowEstimate(const Shape& shape, const v1::InterpolateHeader& header
   ASSERT_TRUE(encoded.ok()) << encoded.status();
   v1::InterpolateHeader claimed = header;
   *claimed.mutable_mesh() = encoded->header;
-  const absl::StatusOr<JobSpec> spec = JobSpecFromProto(claimed);
+  absl::StatusOr<JobSpec> spec = JobSpecFromProto(claimed);
   ASSERT_TRUE(spec.ok()) << spec.status();
+  // A level may be chosen that needs less than is set aside, but not much less here.
+  FitFinestLevel({.max_bytes = std::uint64_t{16} << 20}, &*spec);
   const std::uint64_t peak = PeakOf(*spec, encoded->bytes);
   EXPECT_LE(peak, EstimateJobBytes(*spec));
   if (peak < kSomeSize) return;
@@ -142,6 +145,34 @@ TEST(JobEstimateTest, FineQuantizationIsCounted) {
     header.mutable_output()->set_quantization_bits(bits);
     ExpectBelowEstimate(shape, header, v1::MESH_ENCODING_PACKED);
   }
+}
+
+TEST(JobEstimateTest, JobsToAChordToleranceAreCountedAtTheFinestLevelThatFits) {
+  v1::InterpolateHeader header = MakeHeader(1);
+  header.mutable_surface()->set_chord_tolerance(1e-3);
+  header.mutable_mesh()->set_vertex_count(1000);
+  header.mutable_mesh()->set_face_count(1000);
+  header.mutable_mesh()->set_corner_count(4000);
+  absl::StatusOr<JobSpec> spec = JobSpecFromProto(header);
+  ASSERT_TRUE(spec.ok()) << spec.status();
+  Limits limits;
+  limits.max_bytes = std::uint64_t{64} << 20;
+  FitFinestLevel(limits, &*spec);
+  const std::uint64_t estimate = EstimateJobBytes(*spec);
+  EXPECT_LE(estimate, limits.max_bytes);
+  EXPECT_GT(spec->engine.finest, 0U);
+  ++spec->engine.finest;
+  EXPECT_GT(EstimateJobBytes(*spec), limits.max_bytes);
+  limits.max_level = 1;
+  FitFinestLevel(limits, &*spec);
+  EXPECT_EQ(spec->engine.finest, 1U);
+}
+
+TEST(JobEstimateTest, ChoosingALevelIsCounted) {
+  const Shape shape{"sphere", Generate(MeshKind::kIrregularSphere, 2000)};
+  v1::InterpolateHeader header = MakeHeader(1);
+  header.mutable_surface()->set_chord_tolerance(0.5);
+  ExpectBelowEstimate(shape, header, v1::MESH_ENCODING_PACKED);
 }
 
 TEST(JobEstimateTest, DecodingIsBelowWhatTheBytesSayOfThemselves) {

@@ -134,26 +134,10 @@ std::vector<FieldCase> UnbuiltCases() {
     return [add](Header& h) { add(h.mutable_constraints()); };
   };
   return {
-      {"CatmullClark", [](Header& h) { h.set_scheme(v1::SCHEME_CATMULL_CLARK); }, kNot, "scheme"},
-      {"Loop", [](Header& h) { h.set_scheme(v1::SCHEME_LOOP); }, kNot, "scheme"},
       {"SurfacePoints", constraint([](auto* c) { c->add_surface_points(); }), kNot,
        "constraints.surface_points"},
-      {"Creases", constraint([](auto* c) { c->add_creases(); }), kNot, "constraints.creases"},
-      {"Corners", constraint([](auto* c) { c->add_corners(); }), kNot, "constraints.corners"},
-      {"Holes", constraint([](auto* c) { c->add_holes(1); }), kNot, "constraints.holes"},
       {"Features", constraint([](auto* c) { c->mutable_features(); }), kNot,
        "constraints.features"},
-      {"ConjugateGradient",
-       [](Header& h) {
-         h.mutable_solve()->set_method(v1::SolveOptions::METHOD_CONJUGATE_GRADIENT);
-       },
-       kNot, "solve.method"},
-      {"BilinearRule",
-       [](Header& h) { h.mutable_solve()->set_rule(v1::SolveOptions::RULE_BILINEAR_FIRST_STEP); },
-       kNot, "solve.rule"},
-      {"Boundary",
-       [](Header& h) { h.mutable_surface()->set_boundary(v1::SurfaceOptions::BOUNDARY_NONE); },
-       kNot, "surface.boundary"},
   };
 }
 
@@ -169,10 +153,12 @@ TEST(JobSpecTest, AbsentFieldsTakeTheDefaultsOfTheContract) {
   ASSERT_TRUE(spec.ok()) << spec.status();
   EXPECT_EQ(spec->mesh.encoding(), v1::MESH_ENCODING_PACKED);
   EXPECT_EQ(spec->engine.scheme, Scheme::kDooSabin);
-  EXPECT_EQ(spec->engine.solve.method, SolveMethod::kChebyshev);
+  EXPECT_EQ(spec->engine.solve.method, SolveMethod::kAutomatic);
   EXPECT_EQ(spec->engine.solve.tolerance, 1e-12);
   EXPECT_EQ(spec->engine.solve.max_sweeps, 100U);
-  EXPECT_EQ(spec->engine.rule, FirstRule::kModified);
+  EXPECT_FALSE(spec->engine.rule.has_value());
+  EXPECT_FALSE(spec->engine.strict);
+  EXPECT_FALSE(spec->engine.boundary.has_value());
   EXPECT_FALSE(spec->engine.fair);
   EXPECT_FALSE(spec->engine.chord_tolerance.has_value());
   EXPECT_FALSE(spec->engine.constraints.interpolate.has_value());
@@ -207,7 +193,8 @@ TEST(JobSpecTest, GivenFieldsReachEngineAndCodec) {
   EXPECT_EQ(spec->engine.solve.tolerance, 0);
   EXPECT_EQ(spec->engine.solve.max_sweeps, 0U);
   EXPECT_EQ(spec->engine.rule, FirstRule::kStandard);
-  EXPECT_EQ(RuleToProto(spec->engine.rule), v1::SolveOptions::RULE_STANDARD);
+  EXPECT_EQ(RuleToProto(*spec->engine.rule), v1::SolveOptions::RULE_STANDARD);
+  EXPECT_TRUE(spec->engine.strict);
   EXPECT_TRUE(spec->engine.fair);
   ASSERT_EQ(spec->engine.constraints.shape_handles.size(), 1U);
   EXPECT_EQ(spec->engine.constraints.shape_handles[0].value, 0.4);
@@ -254,13 +241,45 @@ TEST(JobSpecTest, ErrorsOfTheHeaderReachTheClientWithTheirField) {
   const std::unique_ptr<Server> server = StartServer();
   RawCall call(server->InProcessChannel());
   Header header = MakeHeader(1);
-  header.mutable_constraints()->add_creases();
+  header.mutable_constraints()->mutable_features();
   call.Write(MakeUpload(header, MakeSphere(64)));
   call.WritesDone();
   EXPECT_EQ(call.Finish().code(), absl::StatusCode::kUnimplemented);
   const v1::ErrorDetails info = ErrorInfoOf(call.rich_status());
   EXPECT_EQ(info.reason(), "UNIMPLEMENTED");
-  EXPECT_EQ(info.metadata().at("field"), "constraints.creases");
+  EXPECT_EQ(info.metadata().at("field"), "constraints.features");
+}
+
+TEST(JobSpecTest, EveryNameOfTheContractReachesTheEngineAndComesBack) {
+  using Solve = v1::SolveOptions;
+  using Surface = v1::SurfaceOptions;
+  for (const v1::Scheme scheme :
+       {v1::SCHEME_DOO_SABIN, v1::SCHEME_CATMULL_CLARK, v1::SCHEME_LOOP}) {
+    Header header = ValidHeader();
+    header.set_scheme(scheme);
+    EXPECT_EQ(SchemeToProto(JobSpecFromProto(header)->engine.scheme), scheme);
+  }
+  for (const Solve::Method method :
+       {Solve::METHOD_CHEBYSHEV, Solve::METHOD_JACOBI, Solve::METHOD_GAUSS_SEIDEL,
+        Solve::METHOD_CONJUGATE_GRADIENT, Solve::METHOD_SERIES}) {
+    Header header = ValidHeader();
+    header.mutable_solve()->set_method(method);
+    EXPECT_EQ(MethodToProto(JobSpecFromProto(header)->engine.solve.method), method);
+  }
+  for (const Solve::Rule rule :
+       {Solve::RULE_MODIFIED, Solve::RULE_STANDARD, Solve::RULE_BILINEAR_FIRST_STEP}) {
+    Header header = ValidHeader();
+    header.mutable_solve()->set_rule(rule);
+    EXPECT_EQ(RuleToProto(*JobSpecFromProto(header)->engine.rule), rule);
+  }
+  for (const auto& [name, rule] :
+       {std::pair{Surface::BOUNDARY_NONE, BoundaryRule::kNone},
+        {Surface::BOUNDARY_EDGE_ONLY, BoundaryRule::kEdgeOnly},
+        {Surface::BOUNDARY_EDGE_AND_CORNER, BoundaryRule::kEdgeAndCorner}}) {
+    Header header = ValidHeader();
+    header.mutable_surface()->set_boundary(name);
+    EXPECT_EQ(JobSpecFromProto(header)->engine.boundary, rule);
+  }
 }
 
 TEST(JobSpecTest, RepairIsOffUnlessAskedFor) {

@@ -67,6 +67,22 @@ struct CreasedLevel {
     points = std::move(refined);
   }
 
+  // Whether the corner rule holds at a vertex.
+  bool IsCorner(std::size_t v) const {
+    std::size_t sharp = 0;
+    std::size_t faces = 0;
+    const Index entering = WithWalk(mesh, [&](auto walk) {
+      return VisitFan(walk, mesh.twin(), mesh.vertex_half_edge()[v], [&](Index h) {
+        ++faces;
+        if (sharpness.creased() && sharpness.edge[mesh.edge()[h]] > 0) ++sharp;
+      });
+    });
+    if (sharpness.creased()) {
+      return sharpness.vertex[v] > 0 || sharp + (entering != kNoIndex ? 1 : 0) > 2;
+    }
+    return entering != kNoIndex && faces == 1 && sharpness.boundary == BoundaryRule::kEdgeAndCorner;
+  }
+
   Rule rule;
   HalfEdgeMesh mesh;
   Sharpness sharpness;

@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: MIT
+// Catmull-Clark and Loop surfaces in a job: schemes whose control meshes have the vertices of T^k.
+// Sources: Halstead, Kass and DeRose 1993; Chen et al., "Interpolating meshes of arbitrary topology
+// by Catmull-Clark surfaces" (series); Cheng et al., "Progressive interpolation using Loop
+// subdivision surfaces", 2008.
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "engine/base/error.h"
+#include "engine/base/parallel.h"
+#include "engine/constraints/creases.h"
+#include "engine/limit/vertex_limit.h"
+#include "engine/pipeline/scheme_job.h"
+#include "engine/refine/boundary_curve.h"
+#include "engine/refine/catmull_clark_refine.h"
+#include "engine/refine/loop_refine.h"
+#include "engine/refine/quad_split.h"
+#include "engine/refine/triangle_split.h"
+#include "engine/scheme/sharp_rows.h"
+#include "engine/scheme/sharpness.h"
+#include "engine/solve/regularity.h"
+
+namespace limn {
+namespace {
+
+absl::Status Refuse(Reason reason, std::string field, std::string_view message,
+                    std::string_view remedy) {
+  std::string text = absl::StrCat(field, ": ", std::string(message));
+  return MakeError(text,
+                   {.reason = reason, .field = std::move(field), .remedy = std::string(remedy)});
+}
+
+absl::Status NoChordBound() {
+  return Refuse(Reason::kUnimplemented, "surface.chord_tolerance",
+                "chord tolerances of Catmull-Clark and Loop surfaces are not implemented yet",
+                "Choose a level");
+}
+
+absl::Status CheckOptions(const InterpolateOptions& options) {
+  const Constraints& constraints = options.constraints;
+  if (!constraints.shape_handles.empty()) {
+    return Refuse(Reason::kInvalidOption, "constraints.shape_handles",
+                  "shape handles belong to Doo-Sabin surfaces",
+                  "Leave them out or choose Doo-Sabin");
+  }
+  if (!constraints.normals.empty()) {
+    return Refuse(Reason::kUnimplemented, "constraints.normals",
+                  "normals of Catmull-Clark and Loop surfaces are not implemented yet",
+                  "Leave them out or choose Doo-Sabin");
+  }
+  if (options.fair) {
+    return Refuse(Reason::kInvalidOption, "solve.fair", "fairing belongs to Doo-Sabin surfaces",
+                  "Leave it out or choose Doo-Sabin");
+  }
+  if (options.chord_tolerance.has_value()) return NoChordBound();
+  if (options.keep_patches) {
+    return Refuse(Reason::kUnimplemented, "scheme",
+                  "evaluation of Catmull-Clark and Loop surfaces is not implemented yet",
+                  "Choose Doo-Sabin");
+  }
+  if (options.rule == FirstRule::kModified) {
+    return Refuse(Reason::kInvalidOption, "solve.rule", "the modified rule belongs to Doo-Sabin",
+                  "Choose the standard rule or none");
+  }
+  if (options.rule == FirstRule::kBilinear && options.scheme == Scheme::kLoop) {
+    return Refuse(Reason::kInvalidOption, "solve.rule",
+                  "the bilinear first step belongs to Catmull-Clark",
+                  "Choose the standard rule or none");
+  }
+  return absl::OkStatus();
+}
+
+// The weight of a vertex of the boundary in its own limit point: 2/3, more where it is sharp for a
+// while, 1 for corners. What is sharp inside makes corners too.
+class BoundaryRow {
+ public:
+  explicit BoundaryRow(const SurfaceLevel& level)
+      : mesh_(level.mesh), sharpness_(level.sharpness) {}
+
+  double WeightAt(Index v) const {
+    if (!sharpness_.creased()) {
+      const bool corner =
+          sharpness_.boundary == BoundaryRule::kEdgeAndCorner && mesh_.valence(v) == 1;
+      return corner ? 1 : kCubicCurve.vertex;
+    }
+    float most = sharpness_.vertex[v];
+    for (Index i = mesh_.fan_begin()[v] + 1; i < mesh_.fan_begin()[v + 1]; ++i) {
+      most = std::max(most, Edge(i));
+    }
+    if (most >= kSharpForever) return 1;
+    double weight = kCubicCurve.vertex;
+    for (int k = static_cast<int>(std::ceil(most)); k-- > 0;) {
+      weight = 1 - (weight * NeighboursAfter(v, k) + (1 - weight) / 2);
+    }
+    return weight;
+  }
+
+ private:
+  float Edge(Index i) const { return sharpness_.edge[mesh_.edge()[mesh_.fan()[i]]]; }
+  static float After(float sharpness, int steps) {
+    return std::max(0.0F, sharpness - static_cast<float>(steps));
+  }
+
+  // The share of both neighbours on the boundary in the vertex's point of T^(k+1): the rule is
+  // asked what it makes of 0 and of ends at 1.
+  double NeighboursAfter(Index v, int k) const {
+    VertexBlend blend({0, 0, 0}, After(sharpness_.vertex[v], k));
+    blend.Add(kSharpForever, {1, 0, 0});
+    blend.Add(kSharpForever, {1, 0, 0});
+    for (Index i = mesh_.fan_begin()[v] + 1; i < mesh_.fan_begin()[v + 1]; ++i) {
+      blend.Add(After(Edge(i), k), {0, 0, 0});
+    }
+    return blend.Point({0, 0, 0}).x;
+  }
+
+  const HalfEdgeMesh& mesh_;
+  const Sharpness& sharpness_;
+};
+
+void SetBoundaryRows(const SurfaceLevel& level, BoundaryProblem* boundary) {
+  const BoundaryRow row(level);
+  const std::size_t size = boundary->curve.size();
+  boundary->corner.resize(size);
+  if (level.sharpness.transient > 0) boundary->vertex_weights.resize(size);
+  for (std::size_t i = 0; i < size; ++i) {
+    const double weight = row.WeightAt(level.mesh.vertex()[boundary->curve.half_edge[i]]);
+    boundary->corner[i] = weight == 1 ? 1 : 0;
+    if (!boundary->vertex_weights.empty()) boundary->vertex_weights[i] = weight;
+  }
+}
+
+class PrimalJob : public SchemeJob {
+ public:
+  explicit PrimalJob(JobFrame* frame)
+      : frame_(*frame),
+        context_(frame->context),
+        kind_(frame->options.scheme == Scheme::kLoop ? RingKind::kTriangles : RingKind::kQuads) {}
+
+  absl::Status Start(HalfEdgeMesh mesh) override {
+    LIMN_RETURN_IF_ERROR(CheckOptions(frame_.options));
+    if (kind_ == RingKind::kTriangles) LIMN_RETURN_IF_ERROR(RequireTriangles(mesh));
+    mesh_ = std::move(mesh);
+    LIMN_ASSIGN_OR_RETURN(
+        sharpness_, SharpnessOf(context_, *mesh_, frame_.options.constraints,
+                                frame_.options.boundary.value_or(BoundaryRule::kEdgeAndCorner)));
+    return absl::OkStatus();
+  }
+
+  absl::Status FindControlMesh() override {
+    const ControlMeshProblem problem = frame_.Problem(*mesh_);
+    LIMN_ASSIGN_OR_RETURN(const BoundaryCurve curve, FindBoundary(context_, *mesh_));
+    BoundaryProblem boundary = {.curve = curve, .stencil = kCubicCurve};
+    SetBoundaryRows({*mesh_, sharpness_}, &boundary);
+    LIMN_ASSIGN_OR_RETURN(boundary_control_, SolveBoundary(context_, problem, boundary));
+    std::vector<double> shares = {0};
+    const bool quads = kind_ == RingKind::kQuads;
+    if (quads && frame_.options.rule == FirstRule::kBilinear) shares = {1};
+    if (quads && !frame_.options.rule.has_value() && !frame_.options.strict) shares = {0, 0.5, 1};
+    for (const double share : shares) {
+      LIMN_ASSIGN_OR_RETURN(const bool good, TrySolve(problem, share, share == shares.back()));
+      if (good) break;
+    }
+    return absl::OkStatus();
+  }
+
+  const BoundaryControl& boundary_control() const override { return boundary_control_; }
+
+  absl::Status StartSurface() override {
+    points_.assign(frame_.result.control_positions.begin(), frame_.result.control_positions.end());
+    return absl::OkStatus();
+  }
+
+  absl::StatusOr<ChordLevel> ChooseLevel(double /*tolerance*/) override { return NoChordBound(); }
+
+  absl::Status Refine() override {
+    const double bilinear = level_ == 0 ? bilinear_share() : 0;
+    const bool quads = kind_ == RingKind::kQuads;
+    LIMN_ASSIGN_OR_RETURN(HalfEdgeMesh refined, quads ? SplitIntoQuads(context_, *mesh_)
+                                                      : SplitIntoTriangles(context_, *mesh_));
+    Buffer<Vec3> points(refined.vertex_count());
+    const SurfaceLevel level = {*mesh_, sharpness_};
+    LIMN_RETURN_IF_ERROR(
+        quads ? RefineCatmullClark(context_, level, points_, absl::MakeSpan(points), bilinear)
+              : RefineLoop(context_, level, points_, absl::MakeSpan(points)));
+    points_ = std::move(points);
+    LIMN_ASSIGN_OR_RETURN(sharpness_, RefineSharpness(context_, *mesh_, refined, sharpness_));
+    mesh_ = std::move(refined);
+    ++level_;
+    return absl::OkStatus();
+  }
+
+  absl::Status Tessellate() override {
+    Tessellation& surface = frame_.result.surface;
+    surface.level = level_;
+    const std::size_t vertices = mesh_->vertex_count();
+    surface.positions.resize(vertices);
+    if (frame_.options.normals) surface.normals.resize(vertices);
+    LIMN_RETURN_IF_ERROR(TakeFaces(&surface));
+    // The first step is not the scheme's own: limits are known from T^1 on.
+    if (level_ == 0 && bilinear_share() > 0) LIMN_RETURN_IF_ERROR(Refine());
+    const VertexLimits limits = {.points = absl::MakeSpan(surface.positions),
+                                 .tangents = {},
+                                 .normals = absl::MakeSpan(surface.normals)};
+    LIMN_RETURN_IF_ERROR(kind_ == RingKind::kQuads
+                             ? CatmullClarkLimits(context_, {*mesh_, sharpness_}, points_, limits)
+                             : LoopLimits(context_, {*mesh_, sharpness_}, points_, limits));
+    return frame_.moved ? MoveBack(frame_, absl::MakeSpan(surface.positions)) : absl::OkStatus();
+  }
+
+ private:
+  double bilinear_share() const { return frame_.result.bilinear_share; }
+
+  // Solves with this share of the bilinear rule. False: the result is not to be used, or there is
+  // none. last: any result is.
+  absl::StatusOr<bool> TrySolve(const ControlMeshProblem& problem, double share, bool last) {
+    InterpolateResult& result = frame_.result;
+    result.rule = share > 0 ? FirstRule::kBilinear : FirstRule::kStandard;
+    result.bilinear_share = share;
+    if (kind_ == RingKind::kQuads && share == 0 && !frame_.options.rule.has_value()) {
+      LIMN_ASSIGN_OR_RETURN(const bool singular,
+                            CatmullClarkIsSingular(context_, {*mesh_, sharpness_}, frame_.plan));
+      if (singular && frame_.options.strict) return NotRegular();
+      if (singular) return false;
+    }
+    LimitStencil stencil;
+    if (kind_ == RingKind::kQuads) {
+      LIMN_ASSIGN_OR_RETURN(stencil, CatmullClarkStencil(context_, *mesh_, share));
+    } else {
+      LIMN_ASSIGN_OR_RETURN(stencil, LoopStencil(context_, *mesh_));
+    }
+    LIMN_ASSIGN_OR_RETURN(WeightedRows rows,
+                          SharpRows(context_, kind_, {*mesh_, sharpness_}, share));
+    LIMN_RETURN_IF_ERROR(
+        SetWeightedRows(context_, mesh_->vertex_count(), std::move(rows), &stencil));
+    LIMN_ASSIGN_OR_RETURN(result.solve, SolveControlMesh(context_, problem, boundary_control_,
+                                                         {.stencil = std::move(stencil),
+                                                          .options = frame_.options.solve},
+                                                         absl::MakeSpan(result.control_positions)));
+    if (IsRegular(result.solve) || frame_.options.rule.has_value()) return true;
+    if (frame_.options.strict) return NotRegular();
+    return last;
+  }
+
+  static absl::Status NotRegular() {
+    return Refuse(Reason::kIllConditioned, "solve.strict",
+                  "the interpolation problem of this mesh is singular or nearly so",
+                  "Leave strict out, which takes the first refinement bilinear, or interpolate "
+                  "fewer vertices");
+  }
+
+  // Faces of T^level, without holes.
+  absl::Status TakeFaces(Tessellation* surface) {
+    const bool given = level_ == 0;
+    const std::size_t faces = mesh_->face_count();
+    if (given) {
+      surface->face_begin = frame_.input.face_begin;
+      surface->face_vertices = frame_.input.corner_vertex;
+    } else {
+      surface->arity = kind_ == RingKind::kQuads ? 4 : 3;
+      surface->face_vertices.assign(mesh_->vertex().begin(), mesh_->vertex().end());
+    }
+    if (sharpness_.hole.empty()) return absl::OkStatus();
+    // In place: what is kept moves forward.
+    std::size_t to_face = 0;
+    std::size_t to = 0;
+    for (std::size_t f = 0; f < faces; ++f) {
+      if (f % kScanBlock == 0) LIMN_RETURN_IF_ERROR(context_.Check());
+      if (sharpness_.hole[f] != 0) continue;
+      const std::size_t first = given ? mesh_->face_begin()[f] : f * surface->arity;
+      const std::size_t last = given ? mesh_->face_begin()[f + 1] : first + surface->arity;
+      for (std::size_t h = first; h < last; ++h) {
+        surface->face_vertices[to++] = surface->face_vertices[h];
+      }
+      ++to_face;
+      if (given) surface->face_begin[to_face] = static_cast<Index>(to);
+    }
+    surface->face_vertices.resize(to);
+    if (given) surface->face_begin.resize(to_face + 1);
+    return absl::OkStatus();
+  }
+
+  JobFrame& frame_;
+  const Context& context_;
+  const RingKind kind_;
+  BoundaryControl boundary_control_;
+  std::uint32_t level_ = 0;
+  // T^level with its sharpness and control points.
+  std::optional<HalfEdgeMesh> mesh_;
+  Sharpness sharpness_;
+  Buffer<Vec3> points_;
+};
+
+}  // namespace
+
+std::unique_ptr<SchemeJob> MakePrimalJob(JobFrame* frame) {
+  return std::make_unique<PrimalJob>(frame);
+}
+
+}  // namespace limn

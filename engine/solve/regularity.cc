@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+#include "engine/solve/regularity.h"
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/base/buffer.h"
+#include "engine/base/error.h"
+#include "engine/base/parallel.h"
+
+namespace limn {
+namespace {
+
+// Looks for components whose vertices all have a row that alternating signs vanish in.
+class Bipartition {
+ public:
+  Bipartition(const Context& context, const SurfaceLevel& level, const VertexPlan& plan)
+      : context_(context), level_(level), plan_(plan) {}
+
+  absl::StatusOr<bool> FindSingular() {
+    const HalfEdgeMesh& mesh = level_.mesh;
+    side_.assign(mesh.vertex_count(), kUnseen);
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+      if (v % kDefaultGrain == 0) LIMN_RETURN_IF_ERROR(context_.Check());
+      if (IsIndefinite(v)) return true;
+      if (side_[v] != kUnseen || !IsCandidate(v)) continue;
+      LIMN_ASSIGN_OR_RETURN(const bool singular, Walk(static_cast<Index>(v)));
+      if (singular) return true;
+    }
+    return false;
+  }
+
+ private:
+  static constexpr std::uint8_t kUnseen = 2;
+
+  bool IsSmoothUnknown(std::size_t v) const {
+    const HalfEdgeMesh& mesh = level_.mesh;
+    if (!plan_.interpolated(v)) return false;
+    if (mesh.twin()[mesh.vertex_half_edge()[v]] == kNoIndex) return false;
+    if (!level_.sharpness.creased()) return true;
+    if (level_.sharpness.vertex[v] > 0) return false;
+    for (Index i = mesh.fan_begin()[v]; i < mesh.fan_begin()[v + 1]; ++i) {
+      if (level_.sharpness.edge[mesh.edge()[mesh.fan()[i]]] > 0) return false;
+    }
+    return true;
+  }
+  bool IsIndefinite(std::size_t v) const {
+    return level_.mesh.valence(v) == 2 && IsSmoothUnknown(v);
+  }
+  bool IsCandidate(std::size_t v) const {
+    return level_.mesh.valence(v) == 3 && IsSmoothUnknown(v);
+  }
+
+  // Colours the component of v with two sides, as long as it can be singular. A face of odd arity
+  // is an odd cycle.
+  absl::StatusOr<bool> Walk(Index v) {
+    const HalfEdgeMesh& mesh = level_.mesh;
+    const PolygonWalk walk(mesh);
+    bool singular = true;
+    std::vector<Index> open = {v};
+    side_[v] = 0;
+    for (std::size_t seen = 0; !open.empty(); ++seen) {
+      if (seen % kDefaultGrain == 0) LIMN_RETURN_IF_ERROR(context_.Check());
+      const Index at = open.back();
+      open.pop_back();
+      for (Index i = mesh.fan_begin()[at]; i < mesh.fan_begin()[at + 1]; ++i) {
+        const Index other = mesh.vertex()[walk.Next(mesh.fan()[i])];
+        if (side_[other] == side_[at] || !IsCandidate(other)) singular = false;
+        if (side_[other] != kUnseen) continue;
+        side_[other] = 1 - side_[at];
+        if (IsCandidate(other)) open.push_back(other);
+      }
+    }
+    return singular;
+  }
+
+  const Context& context_;
+  const SurfaceLevel& level_;
+  const VertexPlan& plan_;
+  Buffer<std::uint8_t> side_;
+};
+
+}  // namespace
+
+absl::StatusOr<bool> CatmullClarkIsSingular(const Context& context, const SurfaceLevel& level,
+                                            const VertexPlan& plan) {
+  return Bipartition(context, level, plan).FindSingular();
+}
+
+bool IsRegular(const SolveReport& report) {
+  return report.least_eigenvalue >= kLeastRegularEigenvalue ||
+         (report.least_eigenvalue == 0 && report.converged);
+}
+
+}  // namespace limn
