@@ -34,6 +34,13 @@ class RoundFrame {
   Vec3 Round(const Vec3& a) const {
     return Dot(a, first_) * axis_ + Dot(a, second_) * side_ + Dot(a, normal_) * normal_;
   }
+  // Rounded, and without height.
+  RefinedGrid Projected(RefinedGrid grid) const {
+    for (auto& row : grid) {
+      for (Vec3& p : row) p = Dot(p, first_) * axis_ + Dot(p, second_) * side_;
+    }
+    return grid;
+  }
   // The largest factor of a length across the normal, here and back.
   double stretch() const { return stretch_; }
   // What a cone of rounded derivatives says of the derivatives themselves. With |p'| <= stretch |p|

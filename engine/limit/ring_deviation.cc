@@ -9,6 +9,7 @@
 
 #include "absl/types/span.h"
 #include "engine/limit/ring_cones.h"
+#include "engine/limit/ring_reach.h"
 #include "engine/refine/harmonics.h"
 
 namespace limn {
@@ -128,12 +129,18 @@ Deviation RestOfTwo(const PatchRing& ring) {
   return {0, 2 * largest};
 }
 
+// The distance where a cone holds all that a path may get to.
+double DistanceWhereHeld(const Deviation& deviation, const ProjectedCone& cone) {
+  return std::min(deviation.length(), deviation.height + std::tan(cone.angle) * deviation.slide);
+}
+
 // The ring at level 2 + j: what is left, R_j, and the generations 1 .. j, of which generation g is
 // in R_(g - 1) but not in R_g.
 class LevelOfRing {
  public:
-  LevelOfRing(int j, absl::Span<const Step> steps, const Deviation& left, bool at_boundary)
-      : j_(j), steps_(steps), left_(left), at_boundary_(at_boundary) {}
+  // reach: of a ring without boundary; null at one.
+  LevelOfRing(int j, absl::Span<const Step> steps, const Deviation& left, const RingReach* reach)
+      : j_(j), steps_(steps), left_(left), reach_(reach) {}
 
   // Of everything in R_outer.
   Deviation Worst(int outer) const {
@@ -160,9 +167,15 @@ class LevelOfRing {
   double Best(const Deviation& own, int inner, absl::Span<const ProjectedCone> cones) const {
     double best = std::numeric_limits<double>::infinity();
     for (int outer = inner - 1; outer >= 0; --outer) {
-      const double room = std::ldexp(1, -outer) - std::ldexp(1, -inner);
-      best = std::min(best, DistanceBound(at_boundary_ ? Worst(outer) : own,
-                                          cones[static_cast<std::size_t>(outer)], room));
+      const ProjectedCone& cone = cones[static_cast<std::size_t>(outer)];
+      if (reach_ != nullptr) {
+        const bool held = cone.valid() && reach_->Holds(static_cast<std::size_t>(outer),
+                                                        static_cast<std::size_t>(inner));
+        best = std::min(best, held ? DistanceWhereHeld(own, cone) : own.length());
+      } else {
+        const double room = std::ldexp(1, -outer) - std::ldexp(1, -inner);
+        best = std::min(best, DistanceBound(Worst(outer), cone, room));
+      }
     }
     return best;
   }
@@ -170,7 +183,7 @@ class LevelOfRing {
   int j_;
   absl::Span<const Step> steps_;
   Deviation left_;
-  bool at_boundary_;
+  const RingReach* reach_;
 };
 
 }  // namespace
@@ -180,9 +193,8 @@ bool StaysWithin(const Deviation& deviation, const ProjectedCone& cone, double r
 }
 
 double DistanceBound(const Deviation& deviation, const ProjectedCone& cone, double room) {
-  const double apart = deviation.length();
-  if (!StaysWithin(deviation, cone, room)) return apart;
-  return std::min(apart, deviation.height + std::tan(cone.angle) * deviation.slide);
+  return StaysWithin(deviation, cone, room) ? DistanceWhereHeld(deviation, cone)
+                                            : deviation.length();
 }
 
 RingBounds BoundRing(PatchRing* ring, int deepest) {
@@ -196,6 +208,7 @@ RingBounds BoundRing(PatchRing* ring, int deepest) {
   const RingRefiner first_refiner(&first);
   const RoundFrame frame(harmonics, normal);
   RingCones cones(frame, first_refiner, *ring);
+  RingReach reach(frame);
 
   const int steps = deepest + kBeyond + 1;
   std::vector<Step> step(static_cast<std::size_t>(steps));
@@ -205,11 +218,13 @@ RingBounds BoundRing(PatchRing* ring, int deepest) {
     for (std::size_t i = 0; i < ring->sectors; ++i) here.Widen(StepOf(refiner.grid(i), normal));
     here = scale * here;
     cones.AddGeneration(refiner);
+    reach.AddGeneration(refiner, ring->sectors);
     refiner.Advance(2);
     scale *= 0.5;
   }
   const Deviation remainder = RemainderOf(*ring, first, normal);
   const std::vector<ProjectedCone> cone = cones.Finish(remainder);
+  reach.Finish(first_refiner, ring->sectors, remainder.slide);
 
   // Of what is left after j steps, from its quads: each step adds its delta, and then either a
   // quarter or what is left after one more is the worst.
@@ -226,7 +241,8 @@ RingBounds BoundRing(PatchRing* ring, int deepest) {
   bounds.deviation = step[0].split + left[0];
   bounds.deviation.Widen(4 * step[0].quarter_split);
   for (int j = 0; j <= deepest; ++j) {
-    const LevelOfRing level(j, step, left[static_cast<std::size_t>(j)], !ring->closed());
+    const LevelOfRing level(j, step, left[static_cast<std::size_t>(j)],
+                            ring->closed() ? &reach : nullptr);
     bounds.inside[static_cast<std::size_t>(j)] = level.BoundInside(cone);
     bounds.whole[static_cast<std::size_t>(j)] = level.Worst(0);
   }
