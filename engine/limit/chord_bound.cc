@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -111,8 +112,13 @@ class Bounder {
     const Vec3 normal = UnitCross(middle.du, middle.dv, MaxAbs(net[1][1]));
     DirectionCone u(normal, axis);
     DirectionCone v(normal, NormalizedOrZero(middle.dv));
-    AddDerivatives(net, 1, &u, &v);
-    return {ConeOf(normal, u, v), DeviationOf(net, normal).sum()};
+    const NetDerivatives derivatives = DerivativesOf(net, 1);
+    for (const Vec3& a : derivatives.u) u.Add(a);
+    for (const Vec3& a : derivatives.v) v.Add(a);
+    ProjectedCone cone = ConeOf(normal, u, v);
+    if (getenv("PAIRS"))
+      cone.angle = std::min(cone.angle, AngleOfProducts(normal, derivatives.u, derivatives.v));
+    return {cone, DeviationOf(net, normal).sum()};
   }
 
   // Those around extraordinary points and along the boundary.

@@ -110,4 +110,22 @@ inline ProjectedCone ConeOf(const Vec3& normal, const DirectionCone& u, const Di
   return cone;
 }
 
+// The same angle, and no more than it need be, where all directions are known: those of the hulls
+// of u and v have products in the convex cone of the products of these. At least a right angle:
+// nothing is known.
+template <class Directions>
+double AngleOfProducts(const Vec3& normal, const Directions& u, const Directions& v) {
+  double steepest = 0;
+  for (const Vec3& a : u) {
+    for (const Vec3& b : v) {
+      const Vec3 product = Cross(a, b);
+      const double up = Dot(product, normal);
+      if (!(up > 0)) return 4 * kRightAngle;
+      const Vec3 across = product - up * normal;
+      steepest = std::max(steepest, Dot(across, across) / (up * up));
+    }
+  }
+  return std::atan(std::sqrt(steepest));
+}
+
 }  // namespace limn

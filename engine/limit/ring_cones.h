@@ -95,6 +95,8 @@ class RingCones {
   };
 
   ProjectedCone ConeOf(const ConePair& pair) const;
+  // By the quarters and the quad.
+  double AngleIn(const RefinedGrid& grid) const;
   ProjectedCone Nothing() const;
   void WidenByParts(const SectorCones& cones, ProjectedCone* cone) const;
   void Mix(std::size_t g, std::vector<SectorCones>* beyond);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <vector>
 
@@ -17,7 +18,7 @@ namespace {
 
 // Generations beyond the deepest that are looked at: what is left of them counts in full, so that
 // it should be small.
-constexpr int kBeyond = 2;
+const int kBeyond = getenv("BEYOND") ? atoi(getenv("BEYOND")) : 2;
 
 void Translate(const Vec3& by, PatchRing* ring) {
   for (auto* points : {&ring->center, &ring->right, &ring->left, &ring->diagonal}) {
@@ -138,9 +139,8 @@ double DistanceWhereHeld(const Deviation& deviation, const ProjectedCone& cone) 
 // in R_(g - 1) but not in R_g.
 class LevelOfRing {
  public:
-  // reach: of a ring without boundary; null at one.
-  LevelOfRing(int j, absl::Span<const Step> steps, const Deviation& left, const RingReach* reach)
-      : j_(j), steps_(steps), left_(left), reach_(reach) {}
+  LevelOfRing(int j, absl::Span<const Step> steps, const Deviation& left, const RingReach& reach)
+      : j_(j), steps_(steps), left_(left), reach_(reach), at_boundary_(reach.at_boundary()) {}
 
   // Of everything in R_outer.
   Deviation Worst(int outer) const {
@@ -165,17 +165,11 @@ class LevelOfRing {
   // With the best of the R around the piece, which is in R_inner: the larger one gives more room,
   // the smaller one turns less. At a boundary the worst deviation in that R counts.
   double Best(const Deviation& own, int inner, absl::Span<const ProjectedCone> cones) const {
-    double best = std::numeric_limits<double>::infinity();
+    double best = own.length();
     for (int outer = inner - 1; outer >= 0; --outer) {
       const ProjectedCone& cone = cones[static_cast<std::size_t>(outer)];
-      if (reach_ != nullptr) {
-        const bool held = cone.valid() && reach_->Holds(static_cast<std::size_t>(outer),
-                                                        static_cast<std::size_t>(inner));
-        best = std::min(best, held ? DistanceWhereHeld(own, cone) : own.length());
-      } else {
-        const double room = std::ldexp(1, -outer) - std::ldexp(1, -inner);
-        best = std::min(best, DistanceBound(Worst(outer), cone, room));
-      }
+      if (!cone.valid() || !reach_.Holds(outer, inner)) continue;
+      best = std::min(best, DistanceWhereHeld(at_boundary_ ? Worst(outer) : own, cone));
     }
     return best;
   }
@@ -183,7 +177,8 @@ class LevelOfRing {
   int j_;
   absl::Span<const Step> steps_;
   Deviation left_;
-  const RingReach* reach_;
+  const RingReach& reach_;
+  bool at_boundary_;
 };
 
 }  // namespace
@@ -208,7 +203,7 @@ RingBounds BoundRing(PatchRing* ring, int deepest) {
   const RingRefiner first_refiner(&first);
   const RoundFrame frame(harmonics, normal);
   RingCones cones(frame, first_refiner, *ring);
-  RingReach reach(frame);
+  RingReach reach(frame, *ring);
 
   const int steps = deepest + kBeyond + 1;
   std::vector<Step> step(static_cast<std::size_t>(steps));
@@ -218,13 +213,13 @@ RingBounds BoundRing(PatchRing* ring, int deepest) {
     for (std::size_t i = 0; i < ring->sectors; ++i) here.Widen(StepOf(refiner.grid(i), normal));
     here = scale * here;
     cones.AddGeneration(refiner);
-    reach.AddGeneration(refiner, ring->sectors);
+    reach.AddGeneration(refiner);
     refiner.Advance(2);
     scale *= 0.5;
   }
   const Deviation remainder = RemainderOf(*ring, first, normal);
   const std::vector<ProjectedCone> cone = cones.Finish(remainder);
-  reach.Finish(first_refiner, ring->sectors, remainder.slide);
+  reach.Finish(first_refiner, remainder.slide);
 
   // Of what is left after j steps, from its quads: each step adds its delta, and then either a
   // quarter or what is left after one more is the worst.
@@ -241,8 +236,7 @@ RingBounds BoundRing(PatchRing* ring, int deepest) {
   bounds.deviation = step[0].split + left[0];
   bounds.deviation.Widen(4 * step[0].quarter_split);
   for (int j = 0; j <= deepest; ++j) {
-    const LevelOfRing level(j, step, left[static_cast<std::size_t>(j)],
-                            ring->closed() ? &reach : nullptr);
+    const LevelOfRing level(j, step, left[static_cast<std::size_t>(j)], reach);
     bounds.inside[static_cast<std::size_t>(j)] = level.BoundInside(cone);
     bounds.whole[static_cast<std::size_t>(j)] = level.Worst(0);
   }

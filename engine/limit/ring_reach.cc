@@ -52,10 +52,10 @@ double RadiusOf(const BiquadraticNet& net) {
 
 }  // namespace
 
-void RingReach::AddGeneration(const RingRefiner& refiner, std::size_t sectors) {
-  radius_.push_back(RadiusOf(refiner, sectors));
+void RingReach::AddGeneration(const RingRefiner& refiner) {
+  radius_.push_back(RadiusOf(refiner));
   double nearest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < sectors; ++i) {
+  for (std::size_t i = 0; i < sectors_; ++i) {
     const RefinedGrid grid = frame_.Projected(refiner.grid(i));
     for (const CurvePoints& side :
          {SideOfU(QuarterNet(grid, 0, 1)), SideOfU(QuarterNet(grid, 1, 1)),
@@ -66,23 +66,23 @@ void RingReach::AddGeneration(const RingRefiner& refiner, std::size_t sectors) {
   clear_.push_back(nearest);
 }
 
-void RingReach::Finish(const RingRefiner& first, std::size_t sectors, double slide) {
-  double rest = RadiusOf(first, sectors) + frame_.stretch() * slide;
+void RingReach::Finish(const RingRefiner& first, double slide) {
+  double rest = RadiusOf(first) + frame_.stretch() * slide;
   for (std::size_t g = radius_.size(); g-- > 0;) {
     rest = std::max(radius_[g], 0.5 * rest);
     radius_[g] = rest;
   }
 }
 
-bool RingReach::Holds(std::size_t outer, std::size_t inner) const {
-  return std::ldexp(radius_[inner], static_cast<int>(outer) - static_cast<int>(inner)) <
-         kLess * clear_[outer];
+bool RingReach::Holds(int outer, int inner) const {
+  return std::ldexp(radius_[static_cast<std::size_t>(inner)], outer - inner) <
+         kLess * clear_[static_cast<std::size_t>(outer)];
 }
 
 // Of the quarters of the next generation.
-double RingReach::RadiusOf(const RingRefiner& refiner, std::size_t sectors) const {
+double RingReach::RadiusOf(const RingRefiner& refiner) const {
   double largest = 0;
-  for (std::size_t i = 0; i < sectors; ++i) {
+  for (std::size_t i = 0; i < sectors_; ++i) {
     const RefinedGrid grid = frame_.Projected(refiner.grid(i));
     for (std::size_t quarter = 1; quarter < 4; ++quarter) {
       largest = std::max(largest, limn::RadiusOf(QuarterNet(grid, quarter / 2, quarter % 2)));

@@ -16,25 +16,30 @@
 
 namespace limn {
 
-// Distances are those of rounded points. For rings without boundary.
+// Distances are those of rounded points.
 class RingReach {
  public:
-  // frame: of a ring with a normal; must outlive this.
-  explicit RingReach(const RoundFrame& frame) : frame_(frame) {}
+  // frame: of the ring; must outlive this.
+  RingReach(const RoundFrame& frame, const PatchRing& ring)
+      : frame_(frame), sectors_(ring.sectors), at_boundary_(!ring.closed()) {}
 
   // The next generation's refined grids, times 2^g relative to the extraordinary point.
-  void AddGeneration(const RingRefiner& refiner, std::size_t sectors);
+  void AddGeneration(const RingRefiner& refiner);
 
   // first: of F. slide: a bound of E's from now on, along the plane.
-  void Finish(const RingRefiner& first, std::size_t sectors, double slide);
+  void Finish(const RingRefiner& first, double slide);
 
   // Whether R_outer holds all paths between points of R_inner.
-  bool Holds(std::size_t outer, std::size_t inner) const;
+  bool Holds(int outer, int inner) const;
+
+  bool at_boundary() const { return at_boundary_; }
 
  private:
-  double RadiusOf(const RingRefiner& refiner, std::size_t sectors) const;
+  double RadiusOf(const RingRefiner& refiner) const;
 
   const RoundFrame& frame_;
+  std::size_t sectors_;
+  bool at_boundary_;
   // By generation, times 2^g: the radius of R_g, and how near its outer sides come.
   std::vector<double> radius_;
   std::vector<double> clear_;
