@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -116,8 +115,7 @@ class Bounder {
     for (const Vec3& a : derivatives.u) u.Add(a);
     for (const Vec3& a : derivatives.v) v.Add(a);
     ProjectedCone cone = ConeOf(normal, u, v);
-    if (getenv("PAIRS"))
-      cone.angle = std::min(cone.angle, AngleOfProducts(normal, derivatives.u, derivatives.v));
+    cone.angle = std::min(cone.angle, AngleOfProducts(normal, derivatives.u, derivatives.v));
     return {cone, DeviationOf(net, normal).sum()};
   }
 
@@ -127,17 +125,17 @@ class Bounder {
         fans_.vertex.size(), kRingBlock,
         [&](std::size_t begin, std::size_t end, Fine* fine) {
           PatchRing ring;
-          DeviationByLevel whole;
+          DeviationByLevel within_reach;
           for (std::size_t i = begin; i < end; ++i) {
             GatherRing(*split_, refined_.data(),
                        absl::MakeConstSpan(fans_.corner)
                            .subspan(fans_.begin[i], fans_.begin[i + 1] - fans_.begin[i]),
                        &ring);
-            Widen(BoundOneRing(&ring, &whole), fine);
+            Widen(BoundOneRing(&ring, &within_reach), fine);
           }
         },
         &inside_));
-    boundary_whole_.resize(boundary_.size());
+    boundary_reach_.resize(boundary_.size());
     return MaxOverBlocks(
         boundary_.size(), kRingBlock,
         [&](std::size_t begin, std::size_t end, Fine* fine) {
@@ -146,8 +144,8 @@ class Bounder {
           for (std::size_t i = begin; i < end; ++i) {
             GatherBoundaryRing(*split_, boundary_, refined_.data(), static_cast<Index>(i), &face,
                                &ring);
-            boundary_whole_[i] = {};
-            Widen(BoundOneRing(&ring, &boundary_whole_[i]), fine);
+            boundary_reach_[i] = {};
+            Widen(BoundOneRing(&ring, &boundary_reach_[i]), fine);
           }
         },
         &inside_boundary_);
@@ -164,8 +162,8 @@ class Bounder {
     for (const Fine& part : partial) Widen(part, result);
     return absl::OkStatus();
   }
-  // whole: written for irregular rings only.
-  Fine BoundOneRing(PatchRing* ring, DeviationByLevel* whole) {
+  // within_reach: written for irregular rings only.
+  Fine BoundOneRing(PatchRing* ring, DeviationByLevel* within_reach) {
     Fine inside = {};
     if (ring->regular()) {
       for (std::size_t i = 0; i < ring->sectors; ++i) {
@@ -175,7 +173,7 @@ class Bounder {
     }
     const RingBounds bounds = BoundRing(ring, deepest());
     for (const Index h : ring->corner) patches_[h] = {bounds.cone, bounds.deviation};
-    *whole = bounds.whole;
+    *within_reach = bounds.within_reach;
     return bounds.inside;
   }
 
@@ -215,7 +213,7 @@ class Bounder {
           for (std::size_t i = begin; i < end; ++i) {
             for (Index h = boundary_.half_edge[i]; h != kNoIndex;
                  h = RotateCcw(walk, split_->twin(), h)) {
-              WidenByBoundaryPatch(cones.Around(h), boundary_whole_[i], fine);
+              WidenByBoundaryPatch(cones.Around(h), boundary_reach_[i], fine);
             }
           }
         },
@@ -283,7 +281,7 @@ class Bounder {
   Fine inside_ = {};
   Fine inside_boundary_ = {};
   // Of the ring at each vertex of T^1 on the boundary; zeros where it is regular.
-  Buffer<DeviationByLevel> boundary_whole_;
+  Buffer<DeviationByLevel> boundary_reach_;
   double curve_ = 0;
   Fine fine_ = {};
 };

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <vector>
 
@@ -18,7 +17,7 @@ namespace {
 
 // Generations beyond the deepest that are looked at: what is left of them counts in full, so that
 // it should be small.
-const int kBeyond = getenv("BEYOND") ? atoi(getenv("BEYOND")) : 2;
+constexpr int kBeyond = 4;
 
 void Translate(const Vec3& by, PatchRing* ring) {
   for (auto* points : {&ring->center, &ring->right, &ring->left, &ring->diagonal}) {
@@ -140,20 +139,22 @@ double DistanceWhereHeld(const Deviation& deviation, const ProjectedCone& cone) 
 class LevelOfRing {
  public:
   LevelOfRing(int j, absl::Span<const Step> steps, const Deviation& left, const RingReach& reach)
-      : j_(j), steps_(steps), left_(left), reach_(reach), at_boundary_(reach.at_boundary()) {}
+      : j_(j), steps_(steps), left_(left), reach_(reach) {}
 
-  // Of everything in R_outer.
-  Deviation Worst(int outer) const {
-    Deviation worst = Rest();
-    for (int g = outer + 1; g <= j_; ++g) worst.Widen(Quarter(g));
+  // Of all that paths from generation g to R_outer's end may get to.
+  Deviation WithinReach(int g, int outer) const {
+    const int end = reach_.EndOfPaths(g);
+    Deviation worst;
+    if (end > j_) worst = Rest();
+    for (int other = outer + 1; other <= std::min(end, j_); ++other) worst.Widen(Quarter(other));
     return worst;
   }
 
   // The bound of the distance of what is in R_1. cones: of R_0, R_1, ...
   double BoundInside(absl::Span<const ProjectedCone> cones) const {
     if (j_ == 0) return 0;
-    double worst = Best(Rest(), j_, cones);
-    for (int g = 2; g <= j_; ++g) worst = std::max(worst, Best(Quarter(g), g - 1, cones));
+    double worst = Best(j_ + 1, cones);
+    for (int g = 2; g <= j_; ++g) worst = std::max(worst, Best(g, cones));
     return worst;
   }
 
@@ -162,14 +163,18 @@ class LevelOfRing {
   Deviation Quarter(int g) const {
     return std::ldexp(1, -2 * (j_ - g)) * steps_[static_cast<std::size_t>(g - 1)].quarter_split;
   }
-  // With the best of the R around the piece, which is in R_inner: the larger one gives more room,
-  // the smaller one turns less. At a boundary the worst deviation in that R counts.
-  double Best(const Deviation& own, int inner, absl::Span<const ProjectedCone> cones) const {
+  // Of generation g, or, beyond j, of what is left. With the best of the R around it: the larger
+  // one holds its paths, the smaller one turns less. At a boundary the worst deviation on the way
+  // counts.
+  double Best(int g, absl::Span<const ProjectedCone> cones) const {
+    const Deviation own = g > j_ ? Rest() : Quarter(g);
+    const int inner = g - 1;
     double best = own.length();
     for (int outer = inner - 1; outer >= 0; --outer) {
       const ProjectedCone& cone = cones[static_cast<std::size_t>(outer)];
       if (!cone.valid() || !reach_.Holds(outer, inner)) continue;
-      best = std::min(best, DistanceWhereHeld(at_boundary_ ? Worst(outer) : own, cone));
+      best = std::min(best,
+                      DistanceWhereHeld(reach_.at_boundary() ? WithinReach(g, outer) : own, cone));
     }
     return best;
   }
@@ -178,7 +183,6 @@ class LevelOfRing {
   absl::Span<const Step> steps_;
   Deviation left_;
   const RingReach& reach_;
-  bool at_boundary_;
 };
 
 }  // namespace
@@ -238,7 +242,7 @@ RingBounds BoundRing(PatchRing* ring, int deepest) {
   for (int j = 0; j <= deepest; ++j) {
     const LevelOfRing level(j, step, left[static_cast<std::size_t>(j)], reach);
     bounds.inside[static_cast<std::size_t>(j)] = level.BoundInside(cone);
-    bounds.whole[static_cast<std::size_t>(j)] = level.Worst(0);
+    bounds.within_reach[static_cast<std::size_t>(j)] = level.WithinReach(1, 0);
   }
   return bounds;
 }

@@ -15,17 +15,32 @@ namespace {
 constexpr double kLess = 1 - 1e-9;
 
 using CurvePoints = std::array<Vec3, 3>;
+using PatchPoints = std::array<Vec3, 9>;
 
 // Bezier points of a B-spline's segment.
 CurvePoints BezierOf(const Vec3& a, const Vec3& b, const Vec3& c) {
   return {0.5 * (a + b), b, 0.5 * (b + c)};
 }
+PatchPoints BezierOf(const BiquadraticNet& net) {
+  std::array<CurvePoints, 3> row;
+  for (std::size_t j = 0; j < 3; ++j) row[j] = BezierOf(net[j][0], net[j][1], net[j][2]);
+  PatchPoints points{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const CurvePoints column = BezierOf(row[0][i], row[1][i], row[2][i]);
+    for (std::size_t j = 0; j < 3; ++j) points[3 * j + i] = column[j];
+  }
+  return points;
+}
 
 // A lower bound of the distance of the points' hull from the origin.
-double DistanceOf(const CurvePoints& curve) {
-  const Vec3 direction = NormalizedOrZero(curve[0] + curve[1] + curve[2]);
-  return std::max(0.0, std::min({Dot(curve[0], direction), Dot(curve[1], direction),
-                                 Dot(curve[2], direction)}));
+template <class Points>
+double DistanceOf(const Points& points) {
+  Vec3 sum = {0, 0, 0};
+  for (const Vec3& p : points) sum += p;
+  const Vec3 direction = NormalizedOrZero(sum);
+  double least = std::numeric_limits<double>::infinity();
+  for (const Vec3& p : points) least = std::min(least, Dot(p, direction));
+  return std::max(0.0, least);
 }
 
 // The sides u = 1 and v = 1 of a patch.
@@ -38,15 +53,10 @@ CurvePoints SideOfV(const BiquadraticNet& net) {
   return BezierOf(middle(0), middle(1), middle(2));
 }
 
-// The largest distance of a patch's Bezier points from the origin.
-double RadiusOf(const BiquadraticNet& net) {
-  const CurvePoints low = BezierOf(net[0][0], net[0][1], net[0][2]);
-  const CurvePoints middle = BezierOf(net[1][0], net[1][1], net[1][2]);
-  const CurvePoints high = BezierOf(net[2][0], net[2][1], net[2][2]);
+template <class Points>
+double RadiusOf(const Points& points) {
   double largest = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (const Vec3& p : BezierOf(low[i], middle[i], high[i])) largest = std::max(largest, Norm(p));
-  }
+  for (const Vec3& p : points) largest = std::max(largest, Norm(p));
   return largest;
 }
 
@@ -54,6 +64,7 @@ double RadiusOf(const BiquadraticNet& net) {
 
 void RingReach::AddGeneration(const RingRefiner& refiner) {
   radius_.push_back(RadiusOf(refiner));
+  double nearest_of_all = std::numeric_limits<double>::infinity();
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < sectors_; ++i) {
     const RefinedGrid grid = frame_.Projected(refiner.grid(i));
@@ -62,8 +73,13 @@ void RingReach::AddGeneration(const RingRefiner& refiner) {
           SideOfV(QuarterNet(grid, 1, 0)), SideOfV(QuarterNet(grid, 1, 1))}) {
       nearest = std::min(nearest, DistanceOf(side));
     }
+    for (std::size_t quarter = 1; quarter < 4; ++quarter) {
+      const PatchPoints points = BezierOf(QuarterNet(grid, quarter / 2, quarter % 2));
+      nearest_of_all = std::min(nearest_of_all, DistanceOf(points));
+    }
   }
   clear_.push_back(nearest);
+  near_.push_back(nearest_of_all);
 }
 
 void RingReach::Finish(const RingRefiner& first, double slide) {
@@ -79,13 +95,24 @@ bool RingReach::Holds(int outer, int inner) const {
          kLess * clear_[static_cast<std::size_t>(outer)];
 }
 
+int RingReach::EndOfPaths(int g) const {
+  const int size = static_cast<int>(radius_.size());
+  if (g > size) return std::numeric_limits<int>::max();
+  const double distance = kLess * near_[static_cast<std::size_t>(g - 1)];
+  for (int e = g; e < size; ++e) {
+    if (std::ldexp(radius_[static_cast<std::size_t>(e)], g - 1 - e) < distance) return e;
+  }
+  return std::numeric_limits<int>::max();
+}
+
 // Of the quarters of the next generation.
 double RingReach::RadiusOf(const RingRefiner& refiner) const {
   double largest = 0;
   for (std::size_t i = 0; i < sectors_; ++i) {
     const RefinedGrid grid = frame_.Projected(refiner.grid(i));
     for (std::size_t quarter = 1; quarter < 4; ++quarter) {
-      largest = std::max(largest, limn::RadiusOf(QuarterNet(grid, quarter / 2, quarter % 2)));
+      largest =
+          std::max(largest, limn::RadiusOf(BezierOf(QuarterNet(grid, quarter / 2, quarter % 2))));
     }
   }
   return largest;

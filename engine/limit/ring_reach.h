@@ -5,7 +5,8 @@
 // Let a disc around the extraordinary point hold the projection of R_i, and not touch that of the
 // outer sides of R_o, o < i, neither of S nor of T^k. Then a segment between projections of points
 // of R_i lies in the disc, and a path that is lifted from it and starts in R_o does not leave R_o.
-// No angle and no length along the surface is needed for that.
+// No angle and no length along the surface is needed for that. A path to a point outside of a disc
+// around R_i does not get into R_i either, if it keeps its place in the plane.
 #pragma once
 
 #include <cstddef>
@@ -32,6 +33,10 @@ class RingReach {
   // Whether R_outer holds all paths between points of R_inner.
   bool Holds(int outer, int inner) const;
 
+  // The least e so that paths that stay above or below a point of generation g do not get into R_e;
+  // a large number if there is none.
+  int EndOfPaths(int g) const;
+
   bool at_boundary() const { return at_boundary_; }
 
  private:
@@ -40,9 +45,11 @@ class RingReach {
   const RoundFrame& frame_;
   std::size_t sectors_;
   bool at_boundary_;
-  // By generation, times 2^g: the radius of R_g, and how near its outer sides come.
+  // By generation, times 2^g: the radius of R_g, how near its outer sides come, and how near what
+  // is in R_g but not in R_(g + 1).
   std::vector<double> radius_;
   std::vector<double> clear_;
+  std::vector<double> near_;
 };
 
 }  // namespace limn
