@@ -107,16 +107,11 @@ class Bounder {
   }
   static PatchBound BoundOf(const BiquadraticNet& net) {
     const BiquadraticJet middle = EvaluateBiquadratic(net, 0.5, 0.5);
-    const Vec3 axis = NormalizedOrZero(middle.du);
     const Vec3 normal = UnitCross(middle.du, middle.dv, MaxAbs(net[1][1]));
-    DirectionCone u(normal, axis);
-    DirectionCone v(normal, NormalizedOrZero(middle.dv));
     const NetDerivatives derivatives = DerivativesOf(net, 1);
-    for (const Vec3& a : derivatives.u) u.Add(a);
-    for (const Vec3& a : derivatives.v) v.Add(a);
-    ProjectedCone cone = ConeOf(normal, u, v);
-    cone.angle = std::min(cone.angle, AngleOfProducts(normal, derivatives.u, derivatives.v));
-    return {cone, DeviationOf(net, normal).sum()};
+    ProductCone products(normal);
+    products.Add(derivatives.u, derivatives.v);
+    return {products.Cone(), DeviationOf(net, normal).sum()};
   }
 
   // Those around extraordinary points and along the boundary.

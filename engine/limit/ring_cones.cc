@@ -63,29 +63,12 @@ RingCones::RingCones(const RoundFrame& frame, const RingRefiner& first, const Pa
       mixed_(!ring.closed()) {}
 
 void RingCones::AddGeneration(const RingRefiner& refiner) {
-  ProjectedCone generation = Nothing();
-  double steepest = 0;
+  ProductCone products(frame_.normal());
   for (std::size_t i = 0; i < sectors_; ++i) {
-    const SectorCones cones = ConesOf(i, refiner.grid(i));
-    WidenByParts(cones, &generation);
-    // Known better than by cones.
-    steepest = std::max(steepest, AngleIn(refiner.grid(i)));
-    if (mixed_) kept_.push_back(cones);
+    AddProducts(refiner.grid(i), &products);
+    if (mixed_) kept_.push_back(ConesOf(i, refiner.grid(i)));
   }
-  generation.angle = std::min(generation.angle, steepest);
-  cones_.push_back(generation);
-}
-
-double RingCones::AngleIn(const RefinedGrid& grid) const {
-  const NineVertices vertex = VerticesOf(grid);
-  const std::array<Vec3, 2> u = {vertex[0][2] - vertex[0][0], vertex[2][2] - vertex[2][0]};
-  const std::array<Vec3, 2> v = {vertex[2][0] - vertex[0][0], vertex[2][2] - vertex[0][2]};
-  double largest = AngleOfProducts(frame_.normal(), u, v);
-  for (std::size_t quarter = 1; quarter < 4; ++quarter) {
-    const NetDerivatives derivatives = DerivativesOf(QuarterNet(grid, quarter / 2, quarter % 2), 1);
-    largest = std::max(largest, AngleOfProducts(frame_.normal(), derivatives.u, derivatives.v));
-  }
-  return largest;
+  cones_.push_back(products.Cone());
 }
 
 std::vector<ProjectedCone> RingCones::Finish(const Deviation& remainder) {
@@ -108,6 +91,17 @@ std::vector<ProjectedCone> RingCones::Finish(const Deviation& remainder) {
     cones_[g] = rest;
   }
   return std::move(cones_);
+}
+
+void RingCones::AddProducts(const RefinedGrid& grid, ProductCone* products) {
+  const NineVertices vertex = VerticesOf(grid);
+  const std::array<Vec3, 2> u = {vertex[0][2] - vertex[0][0], vertex[2][2] - vertex[2][0]};
+  const std::array<Vec3, 2> v = {vertex[2][0] - vertex[0][0], vertex[2][2] - vertex[0][2]};
+  products->Add(u, v);
+  for (std::size_t quarter = 1; quarter < 4; ++quarter) {
+    const NetDerivatives derivatives = DerivativesOf(QuarterNet(grid, quarter / 2, quarter % 2), 2);
+    products->Add(derivatives.u, derivatives.v);
+  }
 }
 
 ProjectedCone RingCones::ConeOf(const ConePair& pair) const {

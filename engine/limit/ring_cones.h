@@ -64,8 +64,9 @@ class RoundFrame {
 
 // The cones of R_0, R_1, ... about the normal of the extraordinary point: for each quarter that of
 // its derivatives, for each quad that of its triangles' edges. At a boundary, where both are mixed,
-// a quad's edges go with all derivatives on it as well. All directions are rounded first: whether
-// two of them are parallel does not depend on it, and cones of a round F are the narrowest.
+// a quad's edges go with all derivatives on it as well. These, and what is left in the end, are
+// told by cones of directions, which are rounded first: whether two of them are parallel does not
+// depend on it, and cones of a round F are the narrowest.
 class RingCones {
  public:
   // first: refined grids of F, which has no height. Both must outlive this.
@@ -95,8 +96,8 @@ class RingCones {
   };
 
   ProjectedCone ConeOf(const ConePair& pair) const;
-  // By the quarters and the quad.
-  double AngleIn(const RefinedGrid& grid) const;
+  // Of the quarters and the quad.
+  static void AddProducts(const RefinedGrid& grid, ProductCone* products);
   ProjectedCone Nothing() const;
   void WidenByParts(const SectorCones& cones, ProjectedCone* cone) const;
   void Mix(std::size_t g, std::vector<SectorCones>* beyond);

@@ -43,16 +43,6 @@ double DistanceOf(const Points& points) {
   return std::max(0.0, least);
 }
 
-// The sides u = 1 and v = 1 of a patch.
-CurvePoints SideOfU(const BiquadraticNet& net) {
-  const auto middle = [&](std::size_t j) { return 0.5 * (net[j][1] + net[j][2]); };
-  return BezierOf(middle(0), middle(1), middle(2));
-}
-CurvePoints SideOfV(const BiquadraticNet& net) {
-  const auto middle = [&](std::size_t i) { return 0.5 * (net[1][i] + net[2][i]); };
-  return BezierOf(middle(0), middle(1), middle(2));
-}
-
 template <class Points>
 double RadiusOf(const Points& points) {
   double largest = 0;
@@ -63,27 +53,32 @@ double RadiusOf(const Points& points) {
 }  // namespace
 
 void RingReach::AddGeneration(const RingRefiner& refiner) {
-  radius_.push_back(RadiusOf(refiner));
-  double nearest_of_all = std::numeric_limits<double>::infinity();
-  double nearest = std::numeric_limits<double>::infinity();
+  double radius = 0;
+  double near = std::numeric_limits<double>::infinity();
+  double clear = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < sectors_; ++i) {
     const RefinedGrid grid = frame_.Projected(refiner.grid(i));
-    for (const CurvePoints& side :
-         {SideOfU(QuarterNet(grid, 0, 1)), SideOfU(QuarterNet(grid, 1, 1)),
-          SideOfV(QuarterNet(grid, 1, 0)), SideOfV(QuarterNet(grid, 1, 1))}) {
-      nearest = std::min(nearest, DistanceOf(side));
-    }
     for (std::size_t quarter = 1; quarter < 4; ++quarter) {
-      const PatchPoints points = BezierOf(QuarterNet(grid, quarter / 2, quarter % 2));
-      nearest_of_all = std::min(nearest_of_all, DistanceOf(points));
+      const BiquadraticNet net = QuarterNet(grid, quarter / 2, quarter % 2);
+      const PatchPoints points = BezierOf(net);
+      radius = std::max(radius, RadiusOf(points));
+      if (at_boundary_) near = std::min(near, DistanceOf(points));
+      // The sides u = 1 and v = 1.
+      if (quarter % 2 == 1) {
+        clear = std::min(clear, DistanceOf(CurvePoints{points[2], points[5], points[8]}));
+      }
+      if (quarter / 2 == 1) {
+        clear = std::min(clear, DistanceOf(CurvePoints{points[6], points[7], points[8]}));
+      }
     }
   }
-  clear_.push_back(nearest);
-  near_.push_back(nearest_of_all);
+  radius_.push_back(radius);
+  near_.push_back(near);
+  clear_.push_back(clear);
 }
 
 void RingReach::Finish(const RingRefiner& first, double slide) {
-  double rest = RadiusOf(first) + frame_.stretch() * slide;
+  double rest = RadiusOfQuarters(first) + frame_.stretch() * slide;
   for (std::size_t g = radius_.size(); g-- > 0;) {
     rest = std::max(radius_[g], 0.5 * rest);
     radius_[g] = rest;
@@ -106,16 +101,15 @@ int RingReach::EndOfPaths(int g) const {
 }
 
 // Of the quarters of the next generation.
-double RingReach::RadiusOf(const RingRefiner& refiner) const {
-  double largest = 0;
+double RingReach::RadiusOfQuarters(const RingRefiner& refiner) const {
+  double radius = 0;
   for (std::size_t i = 0; i < sectors_; ++i) {
     const RefinedGrid grid = frame_.Projected(refiner.grid(i));
     for (std::size_t quarter = 1; quarter < 4; ++quarter) {
-      largest =
-          std::max(largest, limn::RadiusOf(BezierOf(QuarterNet(grid, quarter / 2, quarter % 2))));
+      radius = std::max(radius, RadiusOf(BezierOf(QuarterNet(grid, quarter / 2, quarter % 2))));
     }
   }
-  return largest;
+  return radius;
 }
 
 }  // namespace limn

@@ -33,14 +33,14 @@ class RingReach {
   // Whether R_outer holds all paths between points of R_inner.
   bool Holds(int outer, int inner) const;
 
-  // The least e so that paths that stay above or below a point of generation g do not get into R_e;
-  // a large number if there is none.
+  // Of a ring at a boundary: the least e so that paths that stay above or below a point of
+  // generation g do not get into R_e; a large number if there is none.
   int EndOfPaths(int g) const;
 
   bool at_boundary() const { return at_boundary_; }
 
  private:
-  double RadiusOf(const RingRefiner& refiner) const;
+  double RadiusOfQuarters(const RingRefiner& refiner) const;
 
   const RoundFrame& frame_;
   std::size_t sectors_;
