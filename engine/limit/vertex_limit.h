@@ -11,11 +11,10 @@
 // edge 0 being that of vertex_half_edge(v). At regular vertices (valence 4, or 6) u and v are the
 // derivatives by parameters in which edges have length 1: v is across u, not along the next edge.
 //   dart: u along the sharp edge, in its direction; v across.
-//   crease, boundary: u is the derivative of the curve, towards the first edge of the fan
-//   (boundary)
-//     or the first sharp edge from vertex_half_edge(v) on; v points to its left, into the faces.
-//     Where there is one face, v is the curve's second derivative (the way to the quad's fourth
-//     vertex where the curve has no bend to speak of).
+//   crease, boundary: u is the derivative of the curve, towards the first edge of the fan (at
+//     boundaries) or the first sharp edge from vertex_half_edge(v) on; v points to its left, into
+//     the faces. Where there is one face, v is the curve's second derivative (the way to the quad's
+//     fourth vertex where the curve has no bend to speak of).
 //   corner: the derivatives of the first sharp curve and of the next one counter-clockwise.
 //   corner inside the mesh without sharp edges: as smooth.
 // For meshes from Build, Catmull-Clark's rings are those of T^1, so that faces may have any arity,
@@ -26,9 +25,8 @@
 // surfaces meet at sharp edges, they are the mean of the surfaces' normals there; (0, 0, 0) where
 // tangents span no plane, or where the normals cancel. Plain rules do not give a tangent plane
 // everywhere, whatever the mask; at these vertices the answers are
-//   - boundary or crease, 5 quads or 7 triangles or more to one side: the plane of the curve and
-//   the
-//     direction in which the faces approach, to which normals tend along the curve;
+//   - boundary or crease, 5 quads or 7 triangles or more to one side: the plane of the curve
+//     and the direction in which the faces approach, to which normals tend along the curve;
 //   - corners between two sharp edges, of 2 quads or 3 triangles or more, and of 2 triangles where
 //     the curves form a straight line within 0.05 rad: the mean of the planes at both ends, each
 //     that of the curve and the direction of the faces. (At 2 quads or 3 triangles all planes tend
@@ -39,9 +37,9 @@
 //     faces around, weighted by area, to which u x v belongs.
 //
 // Differences to OpenSubdiv 3.5 (PrimvarRefiner::Limit). Points: around what wears off (it takes
-// what is sharp now to be sharp for ever), darts (it takes the smooth mask,
-// which does not hold there), smooth vertices of valence 2 (it takes the vertex itself), meshes
-// with other faces than quads. Tangents, beyond scale and choice of the first edge: darts;
+// what is sharp now to be sharp for ever), darts (it takes the smooth mask, which does not hold
+// there), smooth vertices of valence 2 (it takes the vertex itself), meshes with other faces than
+// quads. Tangents, beyond scale and choice of the first edge: darts;
 // boundaries and creases of 3 quads or 4 triangles or more (its masks belong to other rules);
 // corners, where it takes the first two edges rather than the two sharp ones; normals at creases
 // inside the mesh, where it answers for one side. Everything else is equal to rounding.

@@ -309,6 +309,42 @@ TEST(RingLimit, CuspsSlitsAndFoldsHaveTheAnswersOfTheHeader) {
             (Vec3{0, 0, 0}));
 }
 
+// Corners whose planes tend to that of the two curves like 1 / k only: what is given is the mean of
+// the planes at both ends, that of the curve and `across`, whose refinement is half of it and a
+// share of both curves.
+TEST(RingLimit, NarrowCornersHaveTheMeanOfThePlanesAtBothEnds) {
+  for (const RingKind kind : {RingKind::kQuads, RingKind::kTriangles}) {
+    for (const bool regular : {true, false}) {
+      // Two quads, three triangles; two triangles with straight curves.
+      const bool quads = kind == RingKind::kQuads;
+      if (quads && !regular) continue;
+      VertexRing ring;
+      ring.closed = false;
+      ring.corner = true;
+      ring.edge = {{1, 0.2, 0}, {0.7, 0.9, 0.3}, {-0.9, 0.1, 0.3}};
+      if (quads) ring.face = {{1.1, 1, 0.4}, {-0.9, 1.2, 0.2}};
+      if (!quads && regular) ring.edge.insert(ring.edge.begin() + 2, {-0.4, 1.1, -0.2});
+      if (!regular) ring.edge.back() = -1.5 * ring.edge.front();
+      ring.sharp.assign(ring.edge.size(), 0);
+      ring.sharp.front() = ring.sharp.back() = 1;
+      const auto across = [&](const VertexRing& r) -> Vec3 {
+        if (quads) return (2 / 3.0) * r.edge[1] + (1 / 6.0) * (r.face[0] + r.face[1]);
+        return regular ? (1 / std::sqrt(3.0)) * (r.edge[1] + r.edge[2]) : r.edge[1];
+      };
+      const VertexRing refined = RefinedRing(kind, ring);
+      const double value = regular ? 0.5 : 0.375;
+      const double share = quads ? 1 / 12.0 : (regular ? 0.125 / std::sqrt(3.0) : 0.125);
+      EXPECT_LE(Norm(across(refined) - value * across(ring) -
+                     share * (ring.edge.front() + ring.edge.back())),
+                1e-15);
+      const Vec3 v = across(ring);
+      const Vec3 normal = NormalizedOrZero(NormalizedOrZero(Cross(ring.edge.front(), v)) +
+                                           NormalizedOrZero(Cross(v, ring.edge.back())));
+      EXPECT_LE(Norm(RingFrame(kind, ring).normal - normal), 1e-14);
+    }
+  }
+}
+
 // A flat sheet is flat also at a sharp vertex on its straight side, and at the corner of one quad
 // whose sides form a line.
 TEST(RingLimit, StraightSidesDoNotSpoilNormals) {
