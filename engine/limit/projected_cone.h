@@ -111,8 +111,9 @@ inline ProjectedCone ConeOf(const Vec3& normal, const DirectionCone& u, const Di
 }
 
 // The same where all directions are known, and no wider than it need be: those of the hulls of u
-// and v have products in the convex cone of the products of these. The length of x p + y q is at
-// least |p x q| / sqrt(p . p + q . q) |(x, y)|, in the plane.
+// and v have products in the convex cone of the products of these. The length of x p + y q, in the
+// plane, is at least |(x, y)| times the smaller singular value of (p, q), which grows with |p x q|
+// and falls with |p|^2 + |q|^2.
 class ProductCone {
  public:
   explicit ProductCone(const Vec3& normal) : normal_(normal) {}
@@ -135,7 +136,9 @@ class ProductCone {
       }
     }
     for (const Vec3& b : v) longest_v = std::max(longest_v, Dot(b, b));
-    stretch_ = std::min(stretch_, least / std::sqrt(longest_u + longest_v));
+    const double squares = longest_u + longest_v;
+    const double apart = std::sqrt(std::max(0.0, squares * squares - 4 * least * least));
+    stretch_ = std::min(stretch_, least * std::sqrt(2 / (squares + apart)));
   }
 
   // Of all pieces that were added.

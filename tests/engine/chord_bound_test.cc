@@ -168,7 +168,7 @@ TEST(ChordBound, IsNotFarAboveTheDistance) {
     const std::vector<Tessellation> levels = oracle::TessellationsOf(surface, finest);
     for (int k = 1; k + 2 < finest; ++k) {
       const auto at = static_cast<std::size_t>(k);
-      EXPECT_LE(bounds[at], 6 * Measure(levels[at], levels.back(), 1).from_surface) << k;
+      EXPECT_LE(bounds[at], 9 * Measure(levels[at], levels.back(), 1).from_surface) << k;
     }
   }
 }
