@@ -10,18 +10,14 @@ namespace {
 
 std::size_t U(int i) { return static_cast<std::size_t>(i); }
 
-// The faces within two rings of a vertex, which becomes vertex 0. Where they end is no matter: a
-// refinement spoils one ring of four.
+// The faces around a vertex, which becomes vertex 0. Where they end is no matter: the refined ring
+// of the vertex is made of the faces and edges at it.
 CreasedMesh Around(const CreasedMesh& mesh, int vertex) {
-  std::set<int> near = {vertex};
   std::set<std::size_t> kept;
-  for (int ring = 0; ring < 2; ++ring) {
-    for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
-      for (const int v : mesh.faces[f]) {
-        if (near.count(v) != 0) kept.insert(f);
-      }
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    for (const int v : mesh.faces[f]) {
+      if (v == vertex) kept.insert(f);
     }
-    for (const std::size_t f : kept) near.insert(mesh.faces[f].begin(), mesh.faces[f].end());
   }
   return PartOf(mesh, kept, vertex);
 }
