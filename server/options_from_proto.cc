@@ -166,6 +166,17 @@ absl::Status CheckOutput(const v1::OutputOptions& output) {
   return absl::OkStatus();
 }
 
+// Draco meshes have vertices of faces only; holes leave others, which the numbering counts.
+absl::Status CheckHolesTravel(const v1::OutputOptions& output, const JobSpec& spec) {
+  const bool draco = output.encoding() == v1::MESH_ENCODING_DRACO ||
+                     output.encoding() == v1::MESH_ENCODING_DRACO_QUANTIZED;
+  const bool holes =
+      !spec.engine.constraints.holes.empty() || spec.engine.boundary == BoundaryRule::kNone;
+  if (!draco || !holes || !output.surface()) return absl::OkStatus();
+  return Invalid("output.encoding", "a Draco surface cannot have the vertices inside holes",
+                 "Use MESH_ENCODING_PACKED for surfaces with holes");
+}
+
 void ReadOutput(const v1::OutputOptions& output, JobSpec* spec) {
   spec->send_control_mesh = output.control_mesh();
   spec->send_surface = output.surface();
@@ -215,6 +226,7 @@ absl::StatusOr<JobSpec> JobSpecFromProto(const v1::InterpolateHeader& header) {
   LIMN_RETURN_IF_ERROR(ReadSurface(header.surface(), &spec.engine));
   LIMN_RETURN_IF_ERROR(CheckOutput(header.output()));
   ReadOutput(header.output(), &spec);
+  LIMN_RETURN_IF_ERROR(CheckHolesTravel(header.output(), spec));
   return spec;
 }
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
-#include <random>
 #include <optional>
+#include <random>
 #include <string>
 #include <thread>
 #include <vector>

@@ -119,6 +119,13 @@ std::vector<FieldCase> InvalidCases() {
        "output.tile_bytes"},
       {"TilesTooLarge", [](Header& h) { h.mutable_output()->set_tile_bytes((1 << 20) + 1); },
        kInvalid, "output.tile_bytes"},
+      {"DracoWithHoles",
+       [](Header& h) {
+         h.mutable_output()->set_encoding(v1::MESH_ENCODING_DRACO);
+         h.mutable_output()->set_surface(true);
+         h.mutable_constraints()->add_holes(0);
+       },
+       kInvalid, "output.encoding"},
       {"DracoWithoutConnectivity",
        [](Header& h) {
          h.mutable_output()->set_encoding(v1::MESH_ENCODING_DRACO);

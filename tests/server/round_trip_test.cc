@@ -10,6 +10,7 @@
 
 #include "engine/interpolate.h"
 #include "engine/limit/certificate.h"
+#include "server/options_from_proto.h"
 #include "tests/server/service_fixture.h"
 
 namespace limn {
@@ -45,6 +46,19 @@ void ExpectSame(const JobResult& received, const InterpolateResult& computed,
   }
 }
 
+// Every polygon cut into triangles from its first corner.
+PolygonMesh Fans(const PolygonMesh& mesh) {
+  PolygonMesh fans;
+  fans.positions = mesh.positions;
+  for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+    const Index first = mesh.face_begin[f];
+    for (Index i = first + 1; i + 1 < mesh.face_begin[f + 1]; ++i) {
+      fans.AddFace({mesh.corner_vertex[first], mesh.corner_vertex[i], mesh.corner_vertex[i + 1]});
+    }
+  }
+  return fans;
+}
+
 class RoundTripTest : public testing::TestWithParam<std::tuple<v1::MeshEncoding, std::uint32_t>> {};
 
 TEST_P(RoundTripTest, GivesTheEnginesResultBitForBit) {
@@ -64,6 +78,51 @@ INSTANTIATE_TEST_SUITE_P(Encodings, RoundTripTest,
                          testing::Combine(testing::Values(v1::MESH_ENCODING_PACKED,
                                                           v1::MESH_ENCODING_DRACO),
                                           testing::Values(0, 1, 2, 3)));
+
+// The other schemes, with creases and a hole, in every encoding that keeps order.
+TEST(ServiceTest, OtherSchemesGiveTheEnginesResultBitForBit) {
+  const PolygonMesh polygons = MakeSphere(300);
+  const PolygonMesh triangles = Fans(polygons);
+  const std::unique_ptr<Server> server = StartServer();
+  for (const Scheme scheme : {Scheme::kCatmullClark, Scheme::kLoop}) {
+    const PolygonMesh& mesh = scheme == Scheme::kLoop ? triangles : polygons;
+    for (const v1::MeshEncoding encoding : {v1::MESH_ENCODING_PACKED, v1::MESH_ENCODING_DRACO}) {
+      // Faces of one arity arrive as such: triangles at level 0 would.
+      for (const std::uint32_t level : {scheme == Scheme::kLoop ? 3U : 0U, 1U, 2U}) {
+        InterpolateOptions options = {.scheme = scheme, .level = level};
+        options.constraints.creases = {
+            {.vertices = {mesh.corner_vertex[0], mesh.corner_vertex[1]}, .sharpness = {2.5F}}};
+        // The last one too, whose middle has the last number.
+        const auto last = static_cast<Index>(mesh.face_count() - 1);
+        if (encoding == v1::MESH_ENCODING_PACKED) options.constraints.holes = {7, last};
+        v1::InterpolateHeader header = MakeHeader(level);
+        header.set_scheme(SchemeToProto(scheme));
+        v1::Crease* crease = header.mutable_constraints()->add_creases();
+        crease->add_vertices(mesh.corner_vertex[0]);
+        crease->add_vertices(mesh.corner_vertex[1]);
+        crease->add_sharpness(2.5);
+        for (const Index hole : options.constraints.holes) {
+          header.mutable_constraints()->add_holes(hole);
+        }
+        header.mutable_mesh()->set_encoding(encoding);
+        header.mutable_output()->set_encoding(encoding);
+        const absl::StatusOr<JobResult> result =
+            Client(server->InProcessChannel()).Run(header, mesh);
+        ASSERT_TRUE(result.ok()) << result.status();
+        const absl::StatusOr<InterpolateResult> alone = Interpolate(Context{}, mesh, options);
+        ASSERT_TRUE(alone.ok()) << alone.status();
+        ExpectSame(*result, *alone, mesh);
+        const v1::Summary& summary = result->summary;
+        EXPECT_EQ(summary.scheme(), SchemeToProto(scheme));
+        EXPECT_EQ(summary.solve().method(), v1::SolveOptions::METHOD_CONJUGATE_GRADIENT);
+        EXPECT_EQ(summary.solve().rule(), RuleToProto(alone->rule));
+        EXPECT_EQ(summary.surface_faces(), alone->surface.face_count());
+        EXPECT_LE(summary.certificate().max_error(),
+                  4e-12 * summary.certificate().bounding_box_diagonal());
+      }
+    }
+  }
+}
 
 TEST(ServiceTest, GivesTheSameOverASocketInSmallTiles) {
   const PolygonMesh mesh = MakeSphere(3000);
