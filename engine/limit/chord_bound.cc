@@ -107,12 +107,11 @@ class Bounder {
   }
   static PatchBound BoundOf(const BiquadraticNet& net) {
     const BiquadraticJet middle = EvaluateBiquadratic(net, 0.5, 0.5);
-    const Vec3 axis = NormalizedOrZero(middle.du);
     const Vec3 normal = UnitCross(middle.du, middle.dv, MaxAbs(net[1][1]));
-    DirectionCone u(normal, axis);
-    DirectionCone v(normal, NormalizedOrZero(middle.dv));
-    AddDerivatives(net, 1, &u, &v);
-    return {ConeOf(normal, u, v), DeviationOf(net, normal).sum()};
+    const NetDerivatives derivatives = DerivativesOf(net, 1);
+    ProductCone products(normal);
+    products.Add(derivatives.u, derivatives.v);
+    return {products.Cone(), DeviationOf(net, normal).sum()};
   }
 
   // Those around extraordinary points and along the boundary.
@@ -121,17 +120,17 @@ class Bounder {
         fans_.vertex.size(), kRingBlock,
         [&](std::size_t begin, std::size_t end, Fine* fine) {
           PatchRing ring;
-          DeviationByLevel whole;
+          DeviationByLevel within_reach;
           for (std::size_t i = begin; i < end; ++i) {
             GatherRing(*split_, refined_.data(),
                        absl::MakeConstSpan(fans_.corner)
                            .subspan(fans_.begin[i], fans_.begin[i + 1] - fans_.begin[i]),
                        &ring);
-            Widen(BoundOneRing(&ring, &whole), fine);
+            Widen(BoundOneRing(&ring, &within_reach), fine);
           }
         },
         &inside_));
-    boundary_whole_.resize(boundary_.size());
+    boundary_reach_.resize(boundary_.size());
     return MaxOverBlocks(
         boundary_.size(), kRingBlock,
         [&](std::size_t begin, std::size_t end, Fine* fine) {
@@ -140,8 +139,8 @@ class Bounder {
           for (std::size_t i = begin; i < end; ++i) {
             GatherBoundaryRing(*split_, boundary_, refined_.data(), static_cast<Index>(i), &face,
                                &ring);
-            boundary_whole_[i] = {};
-            Widen(BoundOneRing(&ring, &boundary_whole_[i]), fine);
+            boundary_reach_[i] = {};
+            Widen(BoundOneRing(&ring, &boundary_reach_[i]), fine);
           }
         },
         &inside_boundary_);
@@ -158,8 +157,8 @@ class Bounder {
     for (const Fine& part : partial) Widen(part, result);
     return absl::OkStatus();
   }
-  // whole: written for irregular rings only.
-  Fine BoundOneRing(PatchRing* ring, DeviationByLevel* whole) {
+  // within_reach: written for irregular rings only.
+  Fine BoundOneRing(PatchRing* ring, DeviationByLevel* within_reach) {
     Fine inside = {};
     if (ring->regular()) {
       for (std::size_t i = 0; i < ring->sectors; ++i) {
@@ -169,7 +168,7 @@ class Bounder {
     }
     const RingBounds bounds = BoundRing(ring, deepest());
     for (const Index h : ring->corner) patches_[h] = {bounds.cone, bounds.deviation};
-    *whole = bounds.whole;
+    *within_reach = bounds.within_reach;
     return bounds.inside;
   }
 
@@ -209,7 +208,7 @@ class Bounder {
           for (std::size_t i = begin; i < end; ++i) {
             for (Index h = boundary_.half_edge[i]; h != kNoIndex;
                  h = RotateCcw(walk, split_->twin(), h)) {
-              WidenByBoundaryPatch(cones.Around(h), boundary_whole_[i], fine);
+              WidenByBoundaryPatch(cones.Around(h), boundary_reach_[i], fine);
             }
           }
         },
@@ -277,7 +276,7 @@ class Bounder {
   Fine inside_ = {};
   Fine inside_boundary_ = {};
   // Of the ring at each vertex of T^1 on the boundary; zeros where it is regular.
-  Buffer<DeviationByLevel> boundary_whole_;
+  Buffer<DeviationByLevel> boundary_reach_;
   double curve_ = 0;
   Fine fine_ = {};
 };

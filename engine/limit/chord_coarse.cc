@@ -34,14 +34,16 @@ PatchBound BoundOf(const NineVertices& vertex) {
   const Vec3 du = (low[2] - low[0]) + (high[2] - high[0]);
   const Vec3 dv = (high[0] - low[0]) + (high[2] - low[2]);
   const Vec3 normal = UnitCross(du, dv, 2 * MaxAbs(middle[1]));
-  DirectionCone u(normal, normal == Vec3{0, 0, 0} ? normal : NormalizedOrZero(du));
-  DirectionCone v(normal, normal == Vec3{0, 0, 0} ? normal : NormalizedOrZero(dv));
+  std::array<Vec3, 6> u{};
+  std::array<Vec3, 6> v{};
   for (std::size_t j = 0; j < 3; ++j) {
     for (std::size_t i = 0; i < 2; ++i) {
-      u.Add(2 * (vertex[j][i + 1] - vertex[j][i]));
-      v.Add(2 * (vertex[i + 1][j] - vertex[i][j]));
+      u[2 * j + i] = 2 * (vertex[j][i + 1] - vertex[j][i]);
+      v[2 * j + i] = 2 * (vertex[i + 1][j] - vertex[i][j]);
     }
   }
+  ProductCone products(normal);
+  products.Add(u, v);
   Deviation delta;
   const auto widen = [&](const Vec3& p, const Vec3& a, const Vec3& b) {
     delta.Widen(PartsOf(p - 0.5 * (a + b), normal));
@@ -61,7 +63,7 @@ PatchBound BoundOf(const NineVertices& vertex) {
     }
   }
   const Deviation coarse = 0.25 * PartsOf((low[0] - low[2]) - (high[0] - high[2]), normal);
-  return {ConeOf(normal, u, v), delta + split + coarse};
+  return {products.Cone(), delta + split + coarse};
 }
 
 class Coarse {

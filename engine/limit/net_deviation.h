@@ -75,9 +75,14 @@ inline NetDeviation DeviationOf(const BiquadraticNet& net, const Vec3& normal) {
   return result;
 }
 
-// Adds the Bezier points of S_u and S_v, times a factor.
-inline void AddDerivatives(const BiquadraticNet& net, double factor, DirectionCone* u,
-                           DirectionCone* v) {
+// The Bezier points of S_u and S_v, times a factor.
+struct NetDerivatives {
+  std::array<Vec3, 6> u;
+  std::array<Vec3, 6> v;
+};
+
+inline NetDerivatives DerivativesOf(const BiquadraticNet& net, double factor) {
+  NetDerivatives result{};
   for (std::size_t k = 0; k < 2; ++k) {
     std::array<Vec3, 3> along_u{};
     std::array<Vec3, 3> along_v{};
@@ -85,13 +90,12 @@ inline void AddDerivatives(const BiquadraticNet& net, double factor, DirectionCo
       along_u[i] = factor * (net[i][k + 1] - net[i][k]);
       along_v[i] = factor * (net[k + 1][i] - net[k][i]);
     }
-    u->Add(along_u[1]);
-    v->Add(along_v[1]);
-    for (const std::size_t i : {0, 2}) {
-      u->Add(0.5 * (along_u[i] + along_u[1]));
-      v->Add(0.5 * (along_v[i] + along_v[1]));
+    for (std::size_t i = 0; i < 3; ++i) {
+      result.u[3 * k + i] = i == 1 ? along_u[1] : 0.5 * (along_u[i] + along_u[1]);
+      result.v[3 * k + i] = i == 1 ? along_v[1] : 0.5 * (along_v[i] + along_v[1]);
     }
   }
+  return result;
 }
 
 }  // namespace limn

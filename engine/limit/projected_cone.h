@@ -110,4 +110,51 @@ inline ProjectedCone ConeOf(const Vec3& normal, const DirectionCone& u, const Di
   return cone;
 }
 
+// The same where all directions are known, and no wider than it need be: those of the hulls of u
+// and v have products in the convex cone of the products of these. The length of x p + y q, in the
+// plane, is at least |(x, y)| times the smaller singular value of (p, q), which grows with |p x q|
+// and falls with |p|^2 + |q|^2.
+class ProductCone {
+ public:
+  explicit ProductCone(const Vec3& normal) : normal_(normal) {}
+
+  // The directions of a piece of surface.
+  template <class Directions>
+  void Add(const Directions& u, const Directions& v) {
+    double least = std::numeric_limits<double>::infinity();
+    double longest_u = 0;
+    double longest_v = 0;
+    for (const Vec3& a : u) {
+      longest_u = std::max(longest_u, Dot(a, a));
+      for (const Vec3& b : v) {
+        const Vec3 product = Cross(a, b);
+        const double up = Dot(product, normal_);
+        const Vec3 across = product - up * normal_;
+        least = std::min(least, up);
+        // Meaningless, but not asked for, where something points down.
+        steepest_ = std::max(steepest_, Dot(across, across) / (up * up));
+      }
+    }
+    for (const Vec3& b : v) longest_v = std::max(longest_v, Dot(b, b));
+    const double squares = longest_u + longest_v;
+    const double apart = std::sqrt(std::max(0.0, squares * squares - 4 * least * least));
+    stretch_ = std::min(stretch_, least * std::sqrt(2 / (squares + apart)));
+  }
+
+  // Of all pieces that were added.
+  ProjectedCone Cone() const {
+    ProjectedCone cone = {.normal = normal_};
+    if (!(stretch_ > 0) || !std::isfinite(steepest_)) return cone;
+    cone.angle = std::atan(std::sqrt(steepest_));
+    cone.stretch = stretch_;
+    return cone;
+  }
+
+ private:
+  Vec3 normal_;
+  // The square of the tangent.
+  double steepest_ = 0;
+  double stretch_ = std::numeric_limits<double>::infinity();
+};
+
 }  // namespace limn

@@ -63,13 +63,12 @@ RingCones::RingCones(const RoundFrame& frame, const RingRefiner& first, const Pa
       mixed_(!ring.closed()) {}
 
 void RingCones::AddGeneration(const RingRefiner& refiner) {
-  ProjectedCone generation = Nothing();
+  ProductCone products(frame_.normal());
   for (std::size_t i = 0; i < sectors_; ++i) {
-    const SectorCones cones = ConesOf(i, refiner.grid(i));
-    WidenByParts(cones, &generation);
-    if (mixed_) kept_.push_back(cones);
+    AddProducts(refiner.grid(i), &products);
+    if (mixed_) kept_.push_back(ConesOf(i, refiner.grid(i)));
   }
-  cones_.push_back(generation);
+  cones_.push_back(products.Cone());
 }
 
 std::vector<ProjectedCone> RingCones::Finish(const Deviation& remainder) {
@@ -92,6 +91,17 @@ std::vector<ProjectedCone> RingCones::Finish(const Deviation& remainder) {
     cones_[g] = rest;
   }
   return std::move(cones_);
+}
+
+void RingCones::AddProducts(const RefinedGrid& grid, ProductCone* products) {
+  const NineVertices vertex = VerticesOf(grid);
+  const std::array<Vec3, 2> u = {vertex[0][2] - vertex[0][0], vertex[2][2] - vertex[2][0]};
+  const std::array<Vec3, 2> v = {vertex[2][0] - vertex[0][0], vertex[2][2] - vertex[0][2]};
+  products->Add(u, v);
+  for (std::size_t quarter = 1; quarter < 4; ++quarter) {
+    const NetDerivatives derivatives = DerivativesOf(QuarterNet(grid, quarter / 2, quarter % 2), 2);
+    products->Add(derivatives.u, derivatives.v);
+  }
 }
 
 ProjectedCone RingCones::ConeOf(const ConePair& pair) const {
@@ -138,8 +148,9 @@ RingCones::SectorCones RingCones::ConesOf(std::size_t i, const RefinedGrid& refi
   const NineVertices vertex = VerticesOf(grid);
   for (std::size_t q = 0; q < 3; ++q) {
     const std::size_t number = q + 1;
-    AddDerivatives(QuarterNet(grid, number / 2, number % 2), 2, &cones.quarter[q].u,
-                   &cones.quarter[q].v);
+    const NetDerivatives derivatives = DerivativesOf(QuarterNet(grid, number / 2, number % 2), 2);
+    for (const Vec3& a : derivatives.u) cones.quarter[q].u.Add(a);
+    for (const Vec3& a : derivatives.v) cones.quarter[q].v.Add(a);
     cones.quad[q].u.Add(vertex[0][2] - vertex[0][0]);
     cones.quad[q].u.Add(vertex[2][2] - vertex[2][0]);
     cones.quad[q].v.Add(vertex[2][0] - vertex[0][0]);

@@ -34,6 +34,13 @@ class RoundFrame {
   Vec3 Round(const Vec3& a) const {
     return Dot(a, first_) * axis_ + Dot(a, second_) * side_ + Dot(a, normal_) * normal_;
   }
+  // Rounded, and without height.
+  RefinedGrid Projected(RefinedGrid grid) const {
+    for (auto& row : grid) {
+      for (Vec3& p : row) p = Dot(p, first_) * axis_ + Dot(p, second_) * side_;
+    }
+    return grid;
+  }
   // The largest factor of a length across the normal, here and back.
   double stretch() const { return stretch_; }
   // What a cone of rounded derivatives says of the derivatives themselves. With |p'| <= stretch |p|
@@ -57,8 +64,9 @@ class RoundFrame {
 
 // The cones of R_0, R_1, ... about the normal of the extraordinary point: for each quarter that of
 // its derivatives, for each quad that of its triangles' edges. At a boundary, where both are mixed,
-// a quad's edges go with all derivatives on it as well. All directions are rounded first: whether
-// two of them are parallel does not depend on it, and cones of a round F are the narrowest.
+// a quad's edges go with all derivatives on it as well. These, and what is left in the end, are
+// told by cones of directions, which are rounded first: whether two of them are parallel does not
+// depend on it, and cones of a round F are the narrowest.
 class RingCones {
  public:
   // first: refined grids of F, which has no height. Both must outlive this.
@@ -88,6 +96,8 @@ class RingCones {
   };
 
   ProjectedCone ConeOf(const ConePair& pair) const;
+  // Of the quarters and the quad.
+  static void AddProducts(const RefinedGrid& grid, ProductCone* products);
   ProjectedCone Nothing() const;
   void WidenByParts(const SectorCones& cones, ProjectedCone* cone) const;
   void Mix(std::size_t g, std::vector<SectorCones>* beyond);

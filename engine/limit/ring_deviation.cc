@@ -9,6 +9,7 @@
 
 #include "absl/types/span.h"
 #include "engine/limit/ring_cones.h"
+#include "engine/limit/ring_reach.h"
 #include "engine/refine/harmonics.h"
 
 namespace limn {
@@ -16,7 +17,7 @@ namespace {
 
 // Generations beyond the deepest that are looked at: what is left of them counts in full, so that
 // it should be small.
-constexpr int kBeyond = 2;
+constexpr int kBeyond = 4;
 
 void Translate(const Vec3& by, PatchRing* ring) {
   for (auto* points : {&ring->center, &ring->right, &ring->left, &ring->diagonal}) {
@@ -128,25 +129,32 @@ Deviation RestOfTwo(const PatchRing& ring) {
   return {0, 2 * largest};
 }
 
+// The distance where a cone holds all that a path may get to.
+double DistanceWhereHeld(const Deviation& deviation, const ProjectedCone& cone) {
+  return std::min(deviation.length(), deviation.height + std::tan(cone.angle) * deviation.slide);
+}
+
 // The ring at level 2 + j: what is left, R_j, and the generations 1 .. j, of which generation g is
 // in R_(g - 1) but not in R_g.
 class LevelOfRing {
  public:
-  LevelOfRing(int j, absl::Span<const Step> steps, const Deviation& left, bool at_boundary)
-      : j_(j), steps_(steps), left_(left), at_boundary_(at_boundary) {}
+  LevelOfRing(int j, absl::Span<const Step> steps, const Deviation& left, const RingReach& reach)
+      : j_(j), steps_(steps), left_(left), reach_(reach) {}
 
-  // Of everything in R_outer.
-  Deviation Worst(int outer) const {
-    Deviation worst = Rest();
-    for (int g = outer + 1; g <= j_; ++g) worst.Widen(Quarter(g));
+  // Of all that paths from generation g to R_outer's end may get to.
+  Deviation WithinReach(int g, int outer) const {
+    const int end = reach_.EndOfPaths(g);
+    Deviation worst;
+    if (end > j_) worst = Rest();
+    for (int other = outer + 1; other <= std::min(end, j_); ++other) worst.Widen(Quarter(other));
     return worst;
   }
 
   // The bound of the distance of what is in R_1. cones: of R_0, R_1, ...
   double BoundInside(absl::Span<const ProjectedCone> cones) const {
     if (j_ == 0) return 0;
-    double worst = Best(Rest(), j_, cones);
-    for (int g = 2; g <= j_; ++g) worst = std::max(worst, Best(Quarter(g), g - 1, cones));
+    double worst = Best(j_ + 1, cones);
+    for (int g = 2; g <= j_; ++g) worst = std::max(worst, Best(g, cones));
     return worst;
   }
 
@@ -155,14 +163,18 @@ class LevelOfRing {
   Deviation Quarter(int g) const {
     return std::ldexp(1, -2 * (j_ - g)) * steps_[static_cast<std::size_t>(g - 1)].quarter_split;
   }
-  // With the best of the R around the piece, which is in R_inner: the larger one gives more room,
-  // the smaller one turns less. At a boundary the worst deviation in that R counts.
-  double Best(const Deviation& own, int inner, absl::Span<const ProjectedCone> cones) const {
-    double best = std::numeric_limits<double>::infinity();
+  // Of generation g, or, beyond j, of what is left. With the best of the R around it: the larger
+  // one holds its paths, the smaller one turns less. At a boundary the worst deviation on the way
+  // counts.
+  double Best(int g, absl::Span<const ProjectedCone> cones) const {
+    const Deviation own = g > j_ ? Rest() : Quarter(g);
+    const int inner = g - 1;
+    double best = own.length();
     for (int outer = inner - 1; outer >= 0; --outer) {
-      const double room = std::ldexp(1, -outer) - std::ldexp(1, -inner);
-      best = std::min(best, DistanceBound(at_boundary_ ? Worst(outer) : own,
-                                          cones[static_cast<std::size_t>(outer)], room));
+      const ProjectedCone& cone = cones[static_cast<std::size_t>(outer)];
+      if (!cone.valid() || !reach_.Holds(outer, inner)) continue;
+      best = std::min(best,
+                      DistanceWhereHeld(reach_.at_boundary() ? WithinReach(g, outer) : own, cone));
     }
     return best;
   }
@@ -170,7 +182,7 @@ class LevelOfRing {
   int j_;
   absl::Span<const Step> steps_;
   Deviation left_;
-  bool at_boundary_;
+  const RingReach& reach_;
 };
 
 }  // namespace
@@ -180,9 +192,8 @@ bool StaysWithin(const Deviation& deviation, const ProjectedCone& cone, double r
 }
 
 double DistanceBound(const Deviation& deviation, const ProjectedCone& cone, double room) {
-  const double apart = deviation.length();
-  if (!StaysWithin(deviation, cone, room)) return apart;
-  return std::min(apart, deviation.height + std::tan(cone.angle) * deviation.slide);
+  return StaysWithin(deviation, cone, room) ? DistanceWhereHeld(deviation, cone)
+                                            : deviation.length();
 }
 
 RingBounds BoundRing(PatchRing* ring, int deepest) {
@@ -196,6 +207,7 @@ RingBounds BoundRing(PatchRing* ring, int deepest) {
   const RingRefiner first_refiner(&first);
   const RoundFrame frame(harmonics, normal);
   RingCones cones(frame, first_refiner, *ring);
+  RingReach reach(frame, *ring);
 
   const int steps = deepest + kBeyond + 1;
   std::vector<Step> step(static_cast<std::size_t>(steps));
@@ -205,11 +217,13 @@ RingBounds BoundRing(PatchRing* ring, int deepest) {
     for (std::size_t i = 0; i < ring->sectors; ++i) here.Widen(StepOf(refiner.grid(i), normal));
     here = scale * here;
     cones.AddGeneration(refiner);
+    reach.AddGeneration(refiner);
     refiner.Advance(2);
     scale *= 0.5;
   }
   const Deviation remainder = RemainderOf(*ring, first, normal);
   const std::vector<ProjectedCone> cone = cones.Finish(remainder);
+  reach.Finish(first_refiner, remainder.slide);
 
   // Of what is left after j steps, from its quads: each step adds its delta, and then either a
   // quarter or what is left after one more is the worst.
@@ -226,9 +240,9 @@ RingBounds BoundRing(PatchRing* ring, int deepest) {
   bounds.deviation = step[0].split + left[0];
   bounds.deviation.Widen(4 * step[0].quarter_split);
   for (int j = 0; j <= deepest; ++j) {
-    const LevelOfRing level(j, step, left[static_cast<std::size_t>(j)], !ring->closed());
+    const LevelOfRing level(j, step, left[static_cast<std::size_t>(j)], reach);
     bounds.inside[static_cast<std::size_t>(j)] = level.BoundInside(cone);
-    bounds.whole[static_cast<std::size_t>(j)] = level.Worst(0);
+    bounds.within_reach[static_cast<std::size_t>(j)] = level.WithinReach(1, 0);
   }
   return bounds;
 }

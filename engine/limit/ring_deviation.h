@@ -37,8 +37,9 @@ struct RingBounds {
   Deviation deviation;
   // inside[j]: bound of the distance at level 2 + j of what is in R_1, for j >= 1.
   std::array<double, kMaxChordLevel> inside = {};
-  // whole[j]: of the deviation at level 2 + j of all that is in R_0.
-  std::array<Deviation, kMaxChordLevel> whole = {};
+  // within_reach[j]: of the deviation at level 2 + j of all that is in R_0 and that the paths of
+  // its first generation may get to.
+  std::array<Deviation, kMaxChordLevel> within_reach = {};
 };
 
 // ring: of M^2; used up. deepest: the largest j that matters, less than kMaxChordLevel. Cost:

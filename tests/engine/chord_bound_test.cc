@@ -55,7 +55,7 @@ TEST_P(ChordBoundTest, MoreLevelsOnlySharpenTheBounds) {
   const std::vector<double> all = BoundsOf(surface, 10);
   for (std::size_t k = 0; k < few.size(); ++k) {
     EXPECT_LE(all[k], few[k] * (1 + 1e-12)) << k;
-    EXPECT_GE(all[k], 0.5 * few[k]) << k;
+    EXPECT_GE(all[k], 0.4 * few[k]) << k;
   }
 }
 
@@ -105,6 +105,14 @@ TEST(ChordBound, HoldsOnRoughMeshes) {
   }
 }
 
+// Folds, as no interpolation makes them.
+TEST(ChordBound, HoldsForRandomPoints) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    SCOPED_TRACE(seed);
+    ExpectWithinBounds(oracle::RandomSurface(oracle::Dodecahedron(), seed));
+  }
+}
+
 TEST(ChordBound, HoldsOnSmoothMeshes) {
   ExpectWithinBounds(oracle::SurfaceOf(oracle::RoundTorus(12, 8, 3, 1)));
   ExpectWithinBounds(oracle::SurfaceOf(oracle::CubeSphere(4)));
@@ -119,35 +127,31 @@ TEST(ChordBound, HoldsOnSmoothOpenMeshes) {
 TEST(ChordBound, IsNotFarAboveTheDistance) {
   for (const PolygonMesh& mesh :
        {oracle::RoundTorus(16, 8, 3, 1), oracle::CubeSphere(4), oracle::Octahedron(),
-        oracle::QuadPatch(8, 6), oracle::OpenTube(12, 5)}) {
+        oracle::Dodecahedron(), oracle::OpenTube(9, 4), oracle::QuadPatch(4, 3),
+        oracle::QuadPatch(8, 6)}) {
     const DooSabinSurface surface = oracle::InterpolatingSurface(mesh);
     const int finest = FinestFor(surface);
     const std::vector<double> bounds = BoundsOf(surface, finest);
     const std::vector<Tessellation> levels = oracle::TessellationsOf(surface, finest);
     for (int k = 1; k + 2 < finest; ++k) {
       const auto at = static_cast<std::size_t>(k);
-      EXPECT_LE(bounds[at], 6 * Measure(levels[at], levels.back(), 1).from_surface) << k;
+      EXPECT_LE(bounds[at], 9 * Measure(levels[at], levels.back(), 1).from_surface) << k;
     }
   }
 }
 
 TEST(ChordBound, FallsToAQuarterFromLevelToLevel) {
   for (const PolygonMesh& mesh :
-       {oracle::CubeSphere(4), oracle::Dodecahedron(), oracle::QuadPatch(8, 6)}) {
+       {oracle::CubeSphere(4), oracle::Dodecahedron(), Generated(MeshKind::kIrregularSphere, 300),
+        Generated(MeshKind::kNgons, 300), Generated(MeshKind::kDisk, 300),
+        oracle::OpenMesh("HalfFan6"), oracle::OpenMesh("TwoPatches")}) {
     const std::vector<double> bounds = BoundsOf(oracle::InterpolatingSurface(mesh), 10);
+    for (std::size_t k = 1; k < 10; ++k) EXPECT_GT(bounds[k], 1.5 * bounds[k + 1]) << k;
     for (std::size_t k = 7; k < 10; ++k) {
       EXPECT_GT(bounds[k], 2.5 * bounds[k + 1]) << k;
       EXPECT_LT(bounds[k], 4.5 * bounds[k + 1]) << k;
     }
   }
-}
-
-// Where extraordinary points are folded enough, it takes some levels until normals around them
-// tell.
-TEST(ChordBound, FallsFromLevelToLevelOnRoughMeshes) {
-  const std::vector<double> bounds =
-      BoundsOf(oracle::SurfaceOf(Generated(MeshKind::kIrregularSphere, 300)), 10);
-  for (std::size_t k = 0; k < 10; ++k) EXPECT_GT(bounds[k], bounds[k + 1]) << k;
 }
 
 TEST(ChordBound, GrowsWithTheModel) {
