@@ -49,6 +49,13 @@ void Admission::Reservation::Release() {
   admission->reserved_ -= std::exchange(bytes_, 0);
 }
 
+void Admission::Reservation::Shrink(std::uint64_t bytes) {
+  if (bytes >= bytes_) return;
+  const std::lock_guard lock(admission_->mutex_);
+  admission_->reserved_ -= bytes_ - bytes;
+  bytes_ = bytes;
+}
+
 absl::StatusOr<Admission::Ticket> Admission::Admit(const JobSpec& spec) {
   LIMN_RETURN_IF_ERROR(
       wire::CheckHeader(EngineLimits(limits_), spec.mesh, {.any_arity = spec.repair}));
@@ -65,7 +72,7 @@ absl::StatusOr<Admission::Ticket> Admission::Admit(const JobSpec& spec) {
   }
   Ticket ticket;
   ticket.estimate = EstimateJobBytes(spec);
-  LIMN_RETURN_IF_ERROR(CheckJobBytes(ticket.estimate));
+  LIMN_RETURN_IF_ERROR(CheckJobBytes(ticket.estimate, spec.engine.chord_tolerance.has_value()));
   LIMN_ASSIGN_OR_RETURN(ticket.position, lane_.NextPosition());
   std::optional<Slots::Slot> upload = uploads_.Take();
   if (!upload.has_value()) {
@@ -99,15 +106,16 @@ absl::Status Admission::Grow(std::uint64_t bytes, Reservation* reservation) {
   return absl::OkStatus();
 }
 
-absl::Status Admission::CheckJobBytes(std::uint64_t bytes) const {
+absl::Status Admission::CheckJobBytes(std::uint64_t bytes, bool level_chosen) const {
   // Of the total no other job has to give anything back for this: trying again would not help.
   const bool job = limits_.max_job_bytes <= limits_.max_total_bytes;
   const std::uint64_t limit = job ? limits_.max_job_bytes : limits_.max_total_bytes;
   if (bytes <= limit) return absl::OkStatus();
-  return TooLarge("surface.level",
+  return TooLarge(level_chosen ? "surface.chord_tolerance" : "surface.level",
                   absl::StrCat("the job may need ", bytes, " bytes of memory, more than ", limit),
                   job ? "max-job-bytes" : "max-total-bytes",
-                  "Ask for a lower level or use a smaller mesh");
+                  level_chosen ? "Not even level 0 fits: use a smaller mesh"
+                               : "Ask for a lower level or use a smaller mesh");
 }
 
 absl::Status Admission::CheckTotal(std::uint64_t more) const {

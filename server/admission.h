@@ -27,6 +27,8 @@ class Admission {
     ~Reservation() { Release(); }
     std::uint64_t bytes() const { return bytes_; }
     void Release();
+    // Gives back what is above so many bytes.
+    void Shrink(std::uint64_t bytes);
 
    private:
     friend class Admission;
@@ -75,7 +77,8 @@ class Admission {
   std::uint64_t uploads() const { return uploads_.taken(); }
 
  private:
-  [[nodiscard]] absl::Status CheckJobBytes(std::uint64_t bytes) const;
+  // level_chosen: by the engine, so that a lower level would not help.
+  [[nodiscard]] absl::Status CheckJobBytes(std::uint64_t bytes, bool level_chosen = false) const;
   // With the mutex held.
   [[nodiscard]] absl::Status CheckTotal(std::uint64_t more) const;
 

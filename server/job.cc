@@ -109,6 +109,7 @@ absl::Status Job::Run() {
   rule_ = result.rule;
   bilinear_share_ = result.bilinear_share;
   chord_bound_ = result.chord_bound;
+  if (chord_bound_.has_value()) spec_.engine.finest = result.surface.level;
   fairness_ = result.fairness;
   surface_ = std::move(result.surface);
   patches_ = std::move(result.patches);

@@ -125,7 +125,10 @@ absl::Status JobReactor<Rpc>::Compute() {
     const Lock lock(mutex_);
     spec_.mesh = job_->spec().mesh;
   }
-  return job_->Run();
+  LIMN_RETURN_IF_ERROR(job_->Run());
+  // A level may have been chosen that is coarser than the finest one that was set aside for.
+  memory->Shrink(EstimateJobBytes(job_->spec()));
+  return absl::OkStatus();
 }
 
 template <class Rpc>

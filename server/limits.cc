@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "server/limits.h"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 
@@ -65,7 +66,7 @@ Limits EngineLimits(const ServerLimits& limits) {
   return {.max_vertices = limits.max_vertices,
           .max_corners = limits.max_corners,
           .max_level = static_cast<std::uint32_t>(limits.max_level),
-          .max_bytes = limits.max_job_bytes};
+          .max_bytes = std::min(limits.max_job_bytes, limits.max_total_bytes)};
 }
 
 }  // namespace limn

@@ -46,7 +46,7 @@ struct LimitEntry {
 // The whole table, in the order of --help.
 [[nodiscard]] absl::Span<const LimitEntry> LimitTable();
 
-// The engine's part of the limits.
+// The engine's part of the limits. No job may need more than all together.
 [[nodiscard]] Limits EngineLimits(const ServerLimits& limits);
 
 }  // namespace limn

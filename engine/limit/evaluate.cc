@@ -8,8 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
-#include "engine/limit/control_ring.h"
-#include "engine/limit/ring_patch.h"
+#include "engine/limit/patch_source.h"
 
 namespace limn {
 namespace {
@@ -19,17 +18,16 @@ constexpr std::size_t kGrain = 256;
 
 bool InUnitInterval(double t) { return t >= 0 && t <= 1; }
 
-std::size_t Arity(const HalfEdgeMesh& mesh, Index face) {
-  return mesh.face_begin()[face + 1] - mesh.face_begin()[face];
-}
+// Whether u and v lie in a triangle. Where u is not below 1/2, 1 - u is exact.
+bool InTriangle(double u, double v) { return u < v ? u <= 1 - v : v <= 1 - u; }
 
-bool IsValid(const HalfEdgeMesh& mesh, const SurfaceParameter& p) {
-  return p.face < mesh.face_count() && p.corner < Arity(mesh, p.face) && InUnitInterval(p.u) &&
-         InUnitInterval(p.v);
+bool IsValid(const PatchSource& source, const SurfaceParameter& p) {
+  return p.face < source.face_count() && p.corner < source.arity(p.face) && InUnitInterval(p.u) &&
+         InUnitInterval(p.v) && (!source.triangles() || InTriangle(p.u, p.v));
 }
 
 // What is wrong with parameter number i.
-absl::Status Refusal(const HalfEdgeMesh& mesh, const SurfaceParameter& p, std::uint64_t i) {
+absl::Status Refusal(const PatchSource& source, const SurfaceParameter& p, std::uint64_t i) {
   const auto error = [&](Reason reason, const char* field, const std::string& value,
                          const std::string& range) {
     const std::string path = absl::StrCat("parameters[", i, "].", field);
@@ -39,70 +37,47 @@ absl::Status Refusal(const HalfEdgeMesh& mesh, const SurfaceParameter& p, std::u
                       .index = i,
                       .remedy = absl::StrCat("It must be from 0 to ", range)});
   };
-  if (p.face >= mesh.face_count()) {
+  if (p.face >= source.face_count()) {
     return error(Reason::kIndexOutOfRange, "face", absl::StrCat(p.face),
-                 absl::StrCat(mesh.face_count() - 1));
+                 absl::StrCat(source.face_count() - 1));
   }
-  if (p.corner >= Arity(mesh, p.face)) {
+  if (p.corner >= source.arity(p.face)) {
     return error(Reason::kIndexOutOfRange, "corner", absl::StrCat(p.corner),
-                 absl::StrCat(Arity(mesh, p.face) - 1, " in face ", p.face));
+                 absl::StrCat(source.arity(p.face) - 1, " in face ", p.face));
   }
   if (!InUnitInterval(p.u)) return error(Reason::kInvalidOption, "u", absl::StrCat(p.u), "1");
-  return error(Reason::kInvalidOption, "v", absl::StrCat(p.v), "1");
+  if (!InUnitInterval(p.v)) return error(Reason::kInvalidOption, "v", absl::StrCat(p.v), "1");
+  return error(Reason::kInvalidOption, "v", absl::StrCat(p.v, " where u is ", p.u),
+               "1 - u in a triangle");
 }
 
-// The boundary curve from a vertex to the middle of an edge: a quadratic Bezier curve. Its end is
-// summed alike from both sides of the edge.
-Vec3 HalfEdgeCurve(const Vec3& vertex, const Vec3& near, const Vec3& far, double t) {
-  const double s = 1 - t;
-  return s * s * vertex + 2 * s * t * near + t * t * (0.5 * (near + far));
-}
-
-// The point in the model's frame.
-Vec3 PointAt(const DooSabinSurface& surface, Index h, const SurfaceParameter& p,
-             const Vec3& local) {
-  const BoundaryCurve& curve = surface.boundary;
-  if (p.v == 0 && surface.mesh.twin()[h] == kNoIndex) {
-    const Index i = curve.Find(h);
-    return HalfEdgeCurve(curve.centre[i], curve.start[i], curve.end[i], p.u);
+// The first invalid parameter of begin .. end - 1, or end.
+std::size_t FirstInvalid(const PatchSource& source, absl::Span<const SurfaceParameter> parameters,
+                         std::size_t begin, std::size_t end) {
+  for (std::size_t i = begin; i < end; ++i) {
+    if (!IsValid(source, parameters[i])) return i;
   }
-  if (p.u == 0) {
-    const Index prev = PolygonWalk(surface.mesh).Prev(h);
-    if (surface.mesh.twin()[prev] == kNoIndex) {
-      const Index i = curve.Find(prev);
-      return HalfEdgeCurve(curve.centre[curve.next[i]], curve.end[i], curve.start[i], p.v);
-    }
-  }
-  return local + curve.origin;
-}
-
-// Writes samples begin .. end - 1. Returns the first invalid parameter of these, or end.
-std::size_t EvaluateRange(const DooSabinSurface& surface, RingGatherer* gatherer,
-                          absl::Span<const SurfaceParameter> parameters,
-                          const SurfaceSamples& samples,
-                          std::pair<std::size_t, std::size_t> range) {
-  for (std::size_t i = range.first; i < range.second; ++i) {
-    const SurfaceParameter& p = parameters[i];
-    if (!IsValid(surface.mesh, p)) return i;
-    const Index h = surface.mesh.face_begin()[p.face] + p.corner;
-    const PatchSample sample = EvaluateRing(gatherer->Gather(h), p.u, p.v);
-    if (!samples.points.empty()) samples.points[i] = PointAt(surface, h, p, sample.point);
-    if (!samples.du.empty()) samples.du[i] = sample.du;
-    if (!samples.dv.empty()) samples.dv[i] = sample.dv;
-    if (!samples.normals.empty()) samples.normals[i] = sample.normal;
-  }
-  return range.second;
+  return end;
 }
 
 }  // namespace
 
-SurfaceEvaluator::SurfaceEvaluator(const DooSabinSurface& surface, LargeFaces large_faces)
-    : surface_(&surface), large_faces_(std::move(large_faces)) {}
+SurfaceEvaluator::SurfaceEvaluator(std::unique_ptr<const PatchSource> source)
+    : source_(std::move(source)) {}
+SurfaceEvaluator::SurfaceEvaluator(SurfaceEvaluator&&) noexcept = default;
+SurfaceEvaluator& SurfaceEvaluator::operator=(SurfaceEvaluator&&) noexcept = default;
+SurfaceEvaluator::~SurfaceEvaluator() = default;
 
 absl::StatusOr<SurfaceEvaluator> SurfaceEvaluator::Create(const Context& context,
                                                           const DooSabinSurface& surface) {
-  LIMN_ASSIGN_OR_RETURN(LargeFaces large_faces, LargeFaces::Find(context, surface));
-  return SurfaceEvaluator(surface, std::move(large_faces));
+  LIMN_ASSIGN_OR_RETURN(std::unique_ptr<PatchSource> source, MakeDooSabinPatches(context, surface));
+  return SurfaceEvaluator(std::move(source));
+}
+
+absl::StatusOr<SurfaceEvaluator> SurfaceEvaluator::Create(const Context& context,
+                                                          const PrimalSurface& surface) {
+  LIMN_RETURN_IF_ERROR(context.Check());
+  return SurfaceEvaluator(MakePrimalPatches(surface));
 }
 
 absl::Status SurfaceEvaluator::Evaluate(const Context& context,
@@ -112,9 +87,8 @@ absl::Status SurfaceEvaluator::Evaluate(const Context& context,
   std::atomic<std::size_t> wrong = parameters.size();
   LIMN_RETURN_IF_ERROR(
       ParallelFor(context, parameters.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        RingGatherer gatherer(*surface_, large_faces_);
-        const std::size_t found =
-            EvaluateRange(*surface_, &gatherer, parameters, samples, {begin, end});
+        const std::size_t found = FirstInvalid(*source_, parameters, begin, end);
+        source_->Evaluate(context, parameters, samples, {begin, found});
         if (found == end) return;
         std::size_t known = wrong.load();
         while (found < known && !wrong.compare_exchange_weak(known, found)) {
@@ -122,10 +96,18 @@ absl::Status SurfaceEvaluator::Evaluate(const Context& context,
       }));
   const std::size_t i = wrong.load();
   if (i == parameters.size()) return absl::OkStatus();
-  return Refusal(surface_->mesh, parameters[i], first + i);
+  return Refusal(*source_, parameters[i], first + i);
 }
 
 absl::Status EvaluateSurface(const Context& context, const DooSabinSurface& surface,
+                             absl::Span<const SurfaceParameter> parameters,
+                             const SurfaceSamples& samples) {
+  LIMN_ASSIGN_OR_RETURN(const SurfaceEvaluator evaluator,
+                        SurfaceEvaluator::Create(context, surface));
+  return evaluator.Evaluate(context, parameters, samples);
+}
+
+absl::Status EvaluateSurface(const Context& context, const PrimalSurface& surface,
                              absl::Span<const SurfaceParameter> parameters,
                              const SurfaceSamples& samples) {
   LIMN_ASSIGN_OR_RETURN(const SurfaceEvaluator evaluator,

@@ -64,6 +64,21 @@ class Sector {
     return UnitCross(t.u, t.v, size_);
   }
 
+  // Tangent along edge i of the sector.
+  Vec3 AlongCrease(std::size_t i) const {
+    const Tangents t = OnCrease();
+    if (i == 0) return t.u;
+    if (i == faces_) return -t.u;
+    const UnitAngle angle = AngleOf(i, 2 * faces_);
+    return angle.cos * t.u + angle.sin * t.v;
+  }
+  Vec3 AlongCorner(std::size_t i) const {
+    if (i == 0 || i == faces_) return Edge(i);
+    // What is across shrinks faster than the pull of both curves.
+    if (faces_ == 2 && kind_ == RingKind::kTriangles) return Edge(0) + Edge(2);
+    return AngleOf(i, 2 * faces_).sin * Apply(CornerMask(kind_, faces_));
+  }
+
   // The derivatives of the two curves that end here.
   Tangents OnCorner() const { return {Edge(0), Edge(faces_)}; }
   Vec3 CornerNormal() const {
@@ -132,7 +147,7 @@ class RingLimit {
 
   VertexFrame Frame() const {
     VertexFrame frame = {.point = Point()};
-    if (sharp_edges_ >= (rule_ == VertexRule::kCorner ? 1U : 2U)) {
+    if (has_sectors()) {
       AddSectors(&frame);
       return frame;
     }
@@ -143,7 +158,34 @@ class RingLimit {
     return frame;
   }
 
+  CornerFrame Corner(std::size_t face) const {
+    if (has_sectors()) return SectorCorner(face);
+    const VertexFrame frame = Frame();
+    const auto along = [&](std::size_t i) {
+      const UnitAngle angle = AngleOf(i % n_, n_);
+      return angle.cos * frame.tangents.u + angle.sin * frame.tangents.v;
+    };
+    const std::size_t i = (face + n_ - first_) % n_;
+    return {frame.point, along(i), along(i + 1), frame.normal};
+  }
+
  private:
+  bool has_sectors() const { return sharp_edges_ >= (rule_ == VertexRule::kCorner ? 1U : 2U); }
+
+  CornerFrame SectorCorner(std::size_t face) const {
+    // Open rings begin with a sharp edge.
+    std::size_t i = 0;
+    while (ring_.sharp[(face + n_ - i) % n_] == 0) ++i;
+    const std::size_t begin = (face + n_ - i) % n_;
+    std::size_t faces = i + 1;
+    while (ring_.sharp[(begin + faces) % n_] == 0) ++faces;
+    const Sector sector(kind_, ring_, begin, faces);
+    if (rule_ == VertexRule::kCrease) {
+      return {Point(), sector.AlongCrease(i), sector.AlongCrease(i + 1), sector.CreaseNormal()};
+    }
+    return {Point(), sector.AlongCorner(i), sector.AlongCorner(i + 1), sector.CornerNormal()};
+  }
+
   // From the sharp edge on, if there is one.
   Tangents SmoothTangents() const {
     const PointMask mask = SmoothTangentMask(kind_, n_);
@@ -253,6 +295,10 @@ Vec3 RingPoint(RingKind kind, const VertexRing& ring) { return RingLimit(kind, r
 
 VertexFrame RingFrame(RingKind kind, const VertexRing& ring) {
   return RingLimit(kind, ring).Frame();
+}
+
+CornerFrame RingCorner(RingKind kind, const VertexRing& ring, std::size_t face) {
+  return RingLimit(kind, ring).Corner(face);
 }
 
 }  // namespace limn

@@ -5,19 +5,10 @@
 // Catmull-Clark subdivision surfaces at arbitrary parameter values", 1998 (the idea).
 #pragma once
 
-#include "engine/base/vec3.h"
 #include "engine/limit/control_ring.h"
+#include "engine/limit/patch_sample.h"
 
 namespace limn {
-
-// Point, first derivatives along u and v, and the normal: unit length, or (0, 0, 0) where the
-// derivatives span no plane.
-struct PatchSample {
-  Vec3 point;
-  Vec3 du;
-  Vec3 dv;
-  Vec3 normal;
-};
 
 // u, v: in [0, 1], denormal numbers too. Nothing is divided by a small number, and the net is kept
 // relative to the centroid of the face that it shrinks to, so that derivatives and normals are as

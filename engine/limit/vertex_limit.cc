@@ -9,6 +9,7 @@
 #include "engine/base/buffer.h"
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
+#include "engine/limit/gather_ring.h"
 #include "engine/refine/triangle_split.h"
 
 namespace limn {
@@ -28,35 +29,13 @@ absl::Status CheckSizes(const SurfaceLevel& level, std::size_t points, const Ver
                    {.reason = Reason::kInternal});
 }
 
-// What every way to gather a ring needs.
-struct Level {
-  Level(const SurfaceLevel& level, absl::Span<const Vec3> points)
-      : mesh(level.mesh), sharpness(level.sharpness), in(points.data()) {}
-
-  float SharpnessOf(Index h) const {
-    return sharpness.creased() ? sharpness.edge[mesh.edge()[h]] : 0;
-  }
-  // entering: what VisitFan returned for v.
-  template <class Walk>
-  float CornerSharpness(const Walk& walk, std::size_t v, Index entering) const {
-    if (sharpness.creased()) return sharpness.vertex[v];
-    const bool corner = sharpness.boundary == BoundaryRule::kEdgeAndCorner &&
-                        entering != kNoIndex && entering == walk.Prev(mesh.vertex_half_edge()[v]);
-    return corner ? kSharpForever : 0;
-  }
-
-  const HalfEdgeMesh& mesh;
-  const Sharpness& sharpness;
-  const Vec3* in;
-};
-
 // Rings of refined meshes, and of any triangles.
 template <class Walk, RingKind kKind>
 class PlainRings {
  public:
   static constexpr RingKind kRingKind = kKind;
 
-  explicit PlainRings(const Level& level) : level_(level), walk_(level.mesh) {}
+  explicit PlainRings(const LevelPoints& level) : level_(level), walk_(level.mesh) {}
 
   // The most frequent ring, without memory. False when v has another one.
   bool Regular(std::size_t v, bool with_tangents, VertexFrame* frame) const {
@@ -82,22 +61,8 @@ class PlainRings {
   }
 
   void Gather(std::size_t v, VertexRing* ring) const {
-    ring->Clear();
-    const Vec3 point = level_.in[v];
-    ring->point = point;
-    const HalfEdgeMesh& mesh = level_.mesh;
-    const Index entering = VisitFan(walk_, mesh.twin(), mesh.vertex_half_edge()[v], [&](Index h) {
-      ring->edge.push_back(End(h) - point);
-      ring->sharp.push_back(level_.SharpnessOf(h));
-      if (kKind == RingKind::kQuads) ring->face.push_back(Across(h) - point);
-    });
-    if (entering != kNoIndex) {
-      ring->closed = false;
-      ring->edge.push_back(level_.in[mesh.vertex()[entering]] - point);
-      ring->sharp.push_back(kSharpForever);
-      ring->sharp[0] = kSharpForever;
-    }
-    ring->corner = level_.CornerSharpness(walk_, v, entering);
+    GatherRing<kKind>(
+        level_, walk_, level_.mesh.vertex_half_edge()[v], [&](Index h) { return Across(h); }, ring);
     SettleRing(kRingKind, ring);
   }
 
@@ -133,7 +98,7 @@ class PlainRings {
     frame->tangents.v = (kRoot3 / 6) * (one + other);
   }
 
-  const Level& level_;
+  const LevelPoints& level_;
   const Walk walk_;
 };
 
@@ -142,7 +107,7 @@ class FirstRings {
  public:
   static constexpr RingKind kRingKind = RingKind::kQuads;
 
-  FirstRings(const Level& level, const Vec3* centroids)
+  FirstRings(const LevelPoints& level, const Vec3* centroids)
       : level_(level), walk_(level.mesh), centroids_(centroids) {}
 
   static bool Regular(std::size_t /*v*/, bool /*with_tangents*/, VertexFrame* /*frame*/) {
@@ -150,28 +115,15 @@ class FirstRings {
   }
 
   void Gather(std::size_t v, VertexRing* ring) const {
-    ring->Clear();
-    const Vec3 point = level_.in[v];
-    ring->point = point;
-    const HalfEdgeMesh& mesh = level_.mesh;
-    const Index entering = VisitFan(walk_, mesh.twin(), mesh.vertex_half_edge()[v], [&](Index h) {
-      ring->edge.push_back(level_.in[mesh.vertex()[walk_.Next(h)]] - point);
-      ring->sharp.push_back(level_.SharpnessOf(h));
-      ring->face.push_back(centroids_[mesh.face()[h]] - point);
-    });
-    if (entering != kNoIndex) {
-      ring->closed = false;
-      ring->edge.push_back(level_.in[mesh.vertex()[entering]] - point);
-      ring->sharp.push_back(kSharpForever);
-      ring->sharp[0] = kSharpForever;
-    }
-    ring->corner = level_.CornerSharpness(walk_, v, entering);
+    GatherRing<kRingKind>(
+        level_, walk_, level_.mesh.vertex_half_edge()[v],
+        [&](Index h) { return centroids_[level_.mesh.face()[h]]; }, ring);
     RefineRing(kRingKind, true, ring);
     SettleRing(kRingKind, ring);
   }
 
  private:
-  const Level& level_;
+  const LevelPoints& level_;
   const PolygonWalk walk_;
   const Vec3* centroids_;
 };
@@ -203,7 +155,7 @@ absl::Status WriteLimits(const Context& context, const Rings& rings, const Verte
       });
 }
 
-absl::StatusOr<Buffer<Vec3>> Centroids(const Context& context, const Level& level) {
+absl::StatusOr<Buffer<Vec3>> Centroids(const Context& context, const LevelPoints& level) {
   const HalfEdgeMesh& mesh = level.mesh;
   Buffer<Vec3> centroids(mesh.face_count());
   LIMN_RETURN_IF_ERROR(
@@ -224,7 +176,7 @@ absl::StatusOr<Buffer<Vec3>> Centroids(const Context& context, const Level& leve
 absl::Status CatmullClarkLimits(const Context& context, const SurfaceLevel& level,
                                 absl::Span<const Vec3> points, const VertexLimits& limits) {
   LIMN_RETURN_IF_ERROR(CheckSizes(level, points.size(), limits));
-  const Level in(level, points);
+  const LevelPoints in(level, points);
   if (level.mesh.arity() == 3) {
     return MakeError("triangles that Loop's split made have no Catmull-Clark limits",
                      {.reason = Reason::kInternal});
@@ -240,7 +192,7 @@ absl::Status LoopLimits(const Context& context, const SurfaceLevel& level,
                         absl::Span<const Vec3> points, const VertexLimits& limits) {
   LIMN_RETURN_IF_ERROR(RequireTriangles(level.mesh));
   LIMN_RETURN_IF_ERROR(CheckSizes(level, points.size(), limits));
-  const Level in(level, points);
+  const LevelPoints in(level, points);
   return WriteLimits(context, PlainRings<TriangleWalk, RingKind::kTriangles>(in), limits);
 }
 

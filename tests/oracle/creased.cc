@@ -295,4 +295,37 @@ CreasedMesh RefineCreased(const CreasedMesh& mesh, Rule rule, Real blend) {
   return refined;
 }
 
+CreasedMesh PartOf(const CreasedMesh& mesh, const std::set<std::size_t>& kept, int vertex) {
+  CreasedMesh part;
+  std::map<int, int> vertices;
+  std::map<int, int> edges;
+  const auto vertex_number = [&](int v) {
+    const auto [at, fresh] = vertices.emplace(v, static_cast<int>(part.points.size()));
+    if (fresh) {
+      part.points.push_back(mesh.points[U(v)]);
+      part.vertex_sharpness.push_back(mesh.vertex_sharpness[U(v)]);
+    }
+    return at->second;
+  };
+  vertex_number(vertex);
+  for (const std::size_t f : kept) {
+    Face face;
+    std::vector<int> sides;
+    for (const int v : mesh.faces[f]) face.push_back(vertex_number(v));
+    for (const int e : mesh.sides[f]) {
+      const auto [at, fresh] = edges.emplace(e, static_cast<int>(part.edges.size()));
+      if (fresh) {
+        const auto [a, b] = mesh.edges[U(e)];
+        part.edges.emplace_back(vertex_number(a), vertex_number(b));
+        part.edge_sharpness.push_back(mesh.edge_sharpness[U(e)]);
+      }
+      sides.push_back(at->second);
+    }
+    part.faces.push_back(face);
+    part.sides.push_back(sides);
+    part.hole.push_back(mesh.hole[f]);
+  }
+  return part;
+}
+
 }  // namespace limn::oracle

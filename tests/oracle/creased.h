@@ -6,6 +6,7 @@
 
 #include <array>
 #include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -53,5 +54,8 @@ Real SharpnessOf(const CreasedMesh& mesh, const Incidence& incidence, int edge);
 
 // The end of an edge that is not v.
 int OtherEnd(const CreasedMesh& mesh, int edge, int v);
+
+// Some faces of a mesh, in their order, without the rest; `vertex` becomes vertex 0.
+CreasedMesh PartOf(const CreasedMesh& mesh, const std::set<std::size_t>& kept, int vertex);
 
 }  // namespace limn::oracle

@@ -10,7 +10,7 @@ namespace {
 
 std::size_t U(int i) { return static_cast<std::size_t>(i); }
 
-// The faces within two rings of vertex 0, which keeps its number. Where they end is no matter: a
+// The faces within two rings of a vertex, which becomes vertex 0. Where they end is no matter: a
 // refinement spoils one ring of four.
 CreasedMesh Around(const CreasedMesh& mesh, int vertex) {
   std::set<int> near = {vertex};
@@ -23,36 +23,7 @@ CreasedMesh Around(const CreasedMesh& mesh, int vertex) {
     }
     for (const std::size_t f : kept) near.insert(mesh.faces[f].begin(), mesh.faces[f].end());
   }
-  CreasedMesh part;
-  std::map<int, int> vertices;
-  std::map<int, int> edges;
-  const auto vertex_number = [&](int v) {
-    const auto [at, fresh] = vertices.emplace(v, static_cast<int>(part.points.size()));
-    if (fresh) {
-      part.points.push_back(mesh.points[U(v)]);
-      part.vertex_sharpness.push_back(mesh.vertex_sharpness[U(v)]);
-    }
-    return at->second;
-  };
-  vertex_number(vertex);
-  for (const std::size_t f : kept) {
-    Face face;
-    std::vector<int> sides;
-    for (const int v : mesh.faces[f]) face.push_back(vertex_number(v));
-    for (const int e : mesh.sides[f]) {
-      const auto [at, fresh] = edges.emplace(e, static_cast<int>(part.edges.size()));
-      if (fresh) {
-        const auto [a, b] = mesh.edges[U(e)];
-        part.edges.emplace_back(vertex_number(a), vertex_number(b));
-        part.edge_sharpness.push_back(mesh.edge_sharpness[U(e)]);
-      }
-      sides.push_back(at->second);
-    }
-    part.faces.push_back(face);
-    part.sides.push_back(sides);
-    part.hole.push_back(mesh.hole[f]);
-  }
-  return part;
+  return PartOf(mesh, kept, vertex);
 }
 
 // Moves vertex 0 to the origin and scales its farthest neighbour to 1.

@@ -286,6 +286,28 @@ TEST(AdmissionTest, AReservationGrowsAndIsNotTouchedWhereItCannot) {
   EXPECT_TRUE(admission.Grow(1000, &second).ok());
 }
 
+TEST(AdmissionTest, AReservationGivesBackWhatItTurnsOutNotToNeed) {
+  ServerLimits limits;
+  limits.max_total_bytes = 1500;
+  Lane lane({.name = "jobs", .workers = 1, .queue_length = 9, .threads = 1});
+  Admission admission(limits, lane);
+  {
+    Admission::Reservation nothing;
+    nothing.Shrink(0);
+    Admission::Reservation first;
+    Admission::Reservation second;
+    ASSERT_TRUE(admission.Grow(1500, &first).ok());
+    first.Shrink(2000);
+    EXPECT_EQ(first.bytes(), 1500U);
+    EXPECT_FALSE(admission.Grow(1, &second).ok());
+    first.Shrink(400);
+    EXPECT_EQ(first.bytes(), 400U);
+    EXPECT_EQ(admission.reserved_bytes(), 400U);
+    EXPECT_TRUE(admission.Grow(1100, &second).ok());
+  }
+  EXPECT_EQ(admission.reserved_bytes(), 0U);
+}
+
 TEST(AdmissionTest, EstimateGrowsWithLevelAndSize) {
   JobSpec spec;
   spec.mesh.set_vertex_count(1000);

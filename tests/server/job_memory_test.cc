@@ -175,6 +175,36 @@ TEST(JobEstimateTest, ChoosingALevelIsCounted) {
   ExpectBelowEstimate(shape, header, v1::MESH_ENCODING_PACKED);
 }
 
+// So what was set aside for finer levels can be given back.
+TEST(JobEstimateTest, OnceTheLevelIsChosenThatOfTheLevelIsEnough) {
+  const PolygonMesh mesh = Generate(MeshKind::kIrregularSphere, 6000 / oracle::kSlowdown);
+  const absl::StatusOr<wire::EncodedMesh> encoded =
+      wire::EncodeMesh(Context(), mesh, {.encoding = v1::MESH_ENCODING_PACKED});
+  ASSERT_TRUE(encoded.ok()) << encoded.status();
+  v1::InterpolateHeader header = MakeHeader(1);
+  header.mutable_surface()->set_chord_tolerance(0.5);
+  *header.mutable_mesh() = encoded->header;
+  const absl::StatusOr<JobSpec> spec = JobSpecFromProto(header);
+  ASSERT_TRUE(spec.ok()) << spec.status();
+  const AllocationMeter meter;
+  Job job(*spec, Context{});
+  ASSERT_TRUE(job.Decode(encoded->bytes).ok());
+  const std::uint64_t before = EstimateJobBytes(job.spec());
+  ASSERT_TRUE(job.Run().ok());
+  const std::uint64_t after = EstimateJobBytes(job.spec());
+  v1::Summary summary;
+  for (bool more = true; more;) {
+    v1::InterpolateResponse message;
+    const absl::StatusOr<bool> next = job.NextMessage(&message);
+    ASSERT_TRUE(next.ok()) << next.status();
+    more = *next;
+    if (message.has_summary()) summary = message.summary();
+  }
+  EXPECT_EQ(job.spec().engine.finest, summary.level());
+  EXPECT_LT(after, before / 16);
+  EXPECT_LE(meter.peak(), after);
+}
+
 TEST(JobEstimateTest, DecodingIsBelowWhatTheBytesSayOfThemselves) {
   for (const Shape& shape : Shapes()) {
     for (const v1::MeshEncoding encoding : kEncodings) {
