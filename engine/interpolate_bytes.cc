@@ -140,10 +140,10 @@ double TessellationBytes(const Counts& n, const InterpolateOptions& options) {
                                 : Indices(4 * n.half_edges));
 }
 
-// What Fair holds beside the patches: some 300 bytes a corner, and T^1 with the points of M^2.
+// What Fair holds beside the patches: some 400 bytes a corner, and T^1 with the points of M^2.
 double FairBytes(const Counts& n) {
   const Counts split = n.Split();
-  return Bytes(n.half_edges, 300) + SplitMesh(split) + Points(split.half_edges) + Curve(split) +
+  return Bytes(n.half_edges, 400) + SplitMesh(split) + Points(split.half_edges) + Curve(split) +
          Indices(2 * n.half_edges) + 2 * Indices(n.vertices + n.faces + 1);
 }
 

@@ -16,7 +16,6 @@ namespace limn {
 namespace {
 
 constexpr std::size_t kPatchBlock = 2048;
-constexpr std::size_t kRingBlock = 128;
 
 // Gauss and Legendre's rule on [0, 1], exact to degree 3: the mean of the values at these points.
 constexpr double kOff = 0.28867513459481288225;  // 1 / sqrt(12)
@@ -39,8 +38,7 @@ double Density(const BiquadraticJet& jet) {
 // Nets are taken relative to their middle and at a size near 1.
 class Scale {
  public:
-  // size: of the largest coordinate.
-  explicit Scale(double size) : factor_(size > 0 ? std::ldexp(1, -std::ilogb(size)) : 1) {}
+  explicit Scale(double factor) : factor_(factor) {}
   double PatchEnergy(BiquadraticNet net) const {
     const Vec3 middle = net[1][1];
     for (auto& row : net) {
@@ -53,39 +51,27 @@ class Scale {
   double factor_;
 };
 
-// The ring is used up.
-double RingEnergy(const Scale& scale, PatchRing* ring) {
-  double sum = 0;
+// Writes the energies of the ring's patches, which it uses up: energy[h] for corner h of T^1.
+void MeasureRing(const Scale& scale, PatchRing* ring, absl::Span<double> energy) {
   if (ring->regular()) {
-    for (std::size_t i = 0; i < ring->sectors; ++i) sum += scale.PatchEnergy(ring->Net(i));
-    return sum;
+    for (std::size_t i = 0; i < ring->sectors; ++i) {
+      energy[ring->corner[i]] = scale.PatchEnergy(ring->Net(i));
+    }
+    return;
   }
+  for (std::size_t i = 0; i < ring->sectors; ++i) energy[ring->corner[i]] = 0;
   RingRefiner refiner(ring);
   for (int level = 0; level < kBendingRings; ++level) {
     if (level > 0) refiner.Advance();
-    double here = 0;
+    const double factor = level + 1 < kBendingRings ? 1 : 4.0 / 3;
     for (std::size_t i = 0; i < ring->sectors; ++i) {
       const RefinedGrid& grid = refiner.grid(i);
-      here += scale.PatchEnergy(QuarterNet(grid, 0, 1));
-      here += scale.PatchEnergy(QuarterNet(grid, 1, 0));
-      here += scale.PatchEnergy(QuarterNet(grid, 1, 1));
+      const double here = scale.PatchEnergy(QuarterNet(grid, 0, 1)) +
+                          scale.PatchEnergy(QuarterNet(grid, 1, 0)) +
+                          scale.PatchEnergy(QuarterNet(grid, 1, 1));
+      energy[ring->corner[i]] += factor * here;
     }
-    sum += level + 1 < kBendingRings ? here : here * 4 / 3;
   }
-  return sum;
-}
-
-// Adds block_sum(begin, end) of blocks that cover [0, n), in the order of blocks.
-template <class BlockSum>
-absl::Status AddBlocks(const Context& context, std::size_t n, std::size_t block_size,
-                       const BlockSum& block_sum, double* total) {
-  std::vector<double> partial((n + block_size - 1) / block_size, 0);
-  LIMN_RETURN_IF_ERROR(ParallelBlocks(context, n, block_size,
-                                      [&](std::size_t block, std::size_t begin, std::size_t end) {
-                                        partial[block] = block_sum(begin, end);
-                                      }));
-  for (const double part : partial) *total += part;
-  return absl::OkStatus();
 }
 
 }  // namespace
@@ -123,52 +109,64 @@ absl::StatusOr<double> BendingEnergyMeter::Measure(const Context& context,
         return largest;
       },
       &size));
-  const Scale scale(size);
-  double total = 0;
-  LIMN_RETURN_IF_ERROR(AddBlocks(
-      context, refined_.size(), kPatchBlock,
-      [&](std::size_t begin, std::size_t end) {
-        double sum = 0;
+  const double factor = size > 0 ? std::ldexp(1, -std::ilogb(size)) : 1;
+  energy_.resize(refined_.size());
+  LIMN_RETURN_IF_ERROR(MeasurePatches(context, factor));
+  if (boundary != nullptr && !boundary->empty()) {
+    LIMN_RETURN_IF_ERROR(MeasureBoundary(context, factor, *boundary));
+  }
+  return Total(context);
+}
+
+// Around vertices of T^1 that are not on its boundary.
+absl::Status BendingEnergyMeter::MeasurePatches(const Context& context, double factor) {
+  const Scale scale(factor);
+  const absl::Span<double> energy = absl::MakeSpan(energy_);
+  LIMN_RETURN_IF_ERROR(
+      ParallelFor(context, refined_.size(), [&](std::size_t begin, std::size_t end) {
         BiquadraticNet net;
         for (std::size_t h = begin; h < end; ++h) {
           if (RegularNet(split_, refined_.data(), static_cast<Index>(h), &net)) {
-            sum += scale.PatchEnergy(net);
+            energy[h] = scale.PatchEnergy(net);
           }
         }
-        return sum;
-      },
-      &total));
-  LIMN_RETURN_IF_ERROR(AddBlocks(
-      context, fans_.vertex.size(), kRingBlock,
-      [&](std::size_t begin, std::size_t end) {
-        double sum = 0;
-        PatchRing ring;
-        for (std::size_t i = begin; i < end; ++i) {
-          GatherRing(split_, refined_.data(),
-                     absl::MakeConstSpan(fans_.corner)
-                         .subspan(fans_.begin[i], fans_.begin[i + 1] - fans_.begin[i]),
-                     &ring);
-          sum += RingEnergy(scale, &ring);
-        }
-        return sum;
-      },
-      &total));
-  if (boundary == nullptr || boundary->empty()) return total;
-  // The patches at boundary vertices, whose faces ghosts complete.
-  LIMN_ASSIGN_OR_RETURN(const BoundaryCurve curve, RefineBoundary(context, mesh_, *boundary));
-  LIMN_RETURN_IF_ERROR(AddBlocks(
-      context, curve.size(), kRingBlock,
-      [&](std::size_t begin, std::size_t end) {
-        double sum = 0;
-        PatchRing ring;
-        BoundaryFace face;
-        for (std::size_t i = begin; i < end; ++i) {
-          GatherBoundaryRing(split_, curve, refined_.data(), static_cast<Index>(i), &face, &ring);
-          sum += RingEnergy(scale, &ring);
-        }
-        return sum;
-      },
-      &total));
+      }));
+  return ParallelFor(context, fans_.vertex.size(), [&](std::size_t begin, std::size_t end) {
+    PatchRing ring;
+    for (std::size_t i = begin; i < end; ++i) {
+      GatherRing(split_, refined_.data(),
+                 absl::MakeConstSpan(fans_.corner)
+                     .subspan(fans_.begin[i], fans_.begin[i + 1] - fans_.begin[i]),
+                 &ring);
+      MeasureRing(scale, &ring, energy);
+    }
+  });
+}
+
+// The patches at boundary vertices, whose faces ghosts complete.
+absl::Status BendingEnergyMeter::MeasureBoundary(const Context& context, double factor,
+                                                 const BoundaryCurve& boundary) {
+  const Scale scale(factor);
+  LIMN_ASSIGN_OR_RETURN(const BoundaryCurve curve, RefineBoundary(context, mesh_, boundary));
+  return ParallelFor(context, curve.size(), [&](std::size_t begin, std::size_t end) {
+    PatchRing ring;
+    BoundaryFace face;
+    for (std::size_t i = begin; i < end; ++i) {
+      GatherBoundaryRing(split_, curve, refined_.data(), static_cast<Index>(i), &face, &ring);
+      MeasureRing(scale, &ring, absl::MakeSpan(energy_));
+    }
+  });
+}
+
+absl::StatusOr<double> BendingEnergyMeter::Total(const Context& context) const {
+  std::vector<double> partial((energy_.size() + kPatchBlock - 1) / kPatchBlock, 0);
+  LIMN_RETURN_IF_ERROR(ParallelBlocks(context, energy_.size(), kPatchBlock,
+                                      [&](std::size_t block, std::size_t begin, std::size_t end) {
+                                        for (std::size_t h = begin; h < end; ++h)
+                                          partial[block] += energy_[h];
+                                      }));
+  double total = 0;
+  for (const double part : partial) total += part;
   return total;
 }
 

@@ -50,14 +50,24 @@ class BendingEnergyMeter {
                                                absl::Span<const Vec3> corners,
                                                const BoundaryCurve* boundary);
 
+  // What was measured last: the energies of the patches of M^2, of which corner h of the mesh has
+  // those from 4 h on.
+  absl::Span<const double> patches() const { return energy_; }
+
  private:
   BendingEnergyMeter(const HalfEdgeMesh& mesh, HalfEdgeMesh split, ExtraordinaryFans fans)
       : mesh_(mesh), split_(std::move(split)), fans_(std::move(fans)) {}
+
+  absl::Status MeasurePatches(const Context& context, double factor);
+  absl::Status MeasureBoundary(const Context& context, double factor,
+                               const BoundaryCurve& boundary);
+  absl::StatusOr<double> Total(const Context& context) const;
 
   const HalfEdgeMesh& mesh_;
   HalfEdgeMesh split_;
   ExtraordinaryFans fans_;
   Buffer<Vec3> refined_;
+  Buffer<double> energy_;
 };
 
 // The same for one surface. Thread-safe.

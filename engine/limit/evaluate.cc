@@ -18,8 +18,8 @@ constexpr std::size_t kGrain = 256;
 
 bool InUnitInterval(double t) { return t >= 0 && t <= 1; }
 
-// Whether u and v lie in a triangle. Where u is not below 1/2, 1 - u is exact.
-bool InTriangle(double u, double v) { return u < v ? u <= 1 - v : v <= 1 - u; }
+// Whether u and v lie in a triangle. As rounded, so that pairs like 0.1 and 0.9 do.
+bool InTriangle(double u, double v) { return u + v <= 1; }
 
 bool IsValid(const PatchSource& source, const SurfaceParameter& p) {
   return p.face < source.face_count() && p.corner < source.arity(p.face) && InUnitInterval(p.u) &&

@@ -10,7 +10,8 @@
 // of T^(k+1).
 // Loop: each triangle of T^0 is a patch, 0 <= u, v and u + v <= 1, and its corner says which vertex
 // is the origin: u runs along the whole edge that leaves the corner, v along the one that enters
-// it. At u and v in multiples of 2^-k lie the vertices of T^k.
+// it. At u and v in multiples of 2^-k lie the vertices of T^k. The sum counts as rounded, so that
+// 0.1 and 0.9 are in the triangle.
 //
 // A Doo-Sabin surface is twice differentiable inside the pieces of a patch and once across them and
 // across patches, where u and v change roles and signs. Extraordinary points are the vertices and

@@ -29,7 +29,8 @@ PatchSample PrimalPatch::Evaluate(double u, double v) {
   Start(u, v);
   while (!FindSpline()) {
     const std::size_t at = CornerAt();
-    if (at < sides()) return CornerSample(at);
+    // A regular one is in a polynomial after another refinement, as exact as the patch is deep.
+    if (at < sides() && !IsRegular(at)) return CornerSample(at);
     const std::size_t near = CornerNear();
     Refine();
     if (near < sides()) {
@@ -71,9 +72,14 @@ double PrimalPatch::LocalSize() const {
   return size;
 }
 
+bool PrimalPatch::IsRegular(std::size_t corner) {
+  const auto& [ring, face] = corners_[corner];
+  return FindRegularRing(kind_, ring, face, &regular_[corner]);
+}
+
 bool PrimalPatch::FindSpline() {
   for (std::size_t i = 0; i < sides(); ++i) {
-    if (!FindRegularRing(kind_, corners_[i].ring, corners_[i].face, &regular_[i])) return false;
+    if (!IsRegular(i)) return false;
   }
   return true;
 }

@@ -65,6 +65,8 @@ class PrimalPatch {
   Turn ToCorner(std::size_t corner) const;
 
   void Start(double u, double v);
+  // Fills in regular_, of a corner and of all, if it is so.
+  bool IsRegular(std::size_t corner);
   bool FindSpline();
   // The corner that (u, v) is at, or sides().
   std::size_t CornerAt() const;

@@ -131,6 +131,17 @@ TEST_P(EvaluatePrimalBatchTest, TrianglesEndAtTheirThirdSide) {
   EXPECT_TRUE(Evaluate().ok());
 }
 
+// 1 - 0.9 is below 0.1 as doubles are, and so on.
+TEST_P(EvaluatePrimalBatchTest, SumsOfOneAreInTheTriangleThoughTheyAreRounded) {
+  if (!Loop()) return;
+  parameters_ = {{0, 0, 0.1, 0.9}, {0, 1, 0.9, 0}, {0, 0, 0.8, 0.2}, {0, 1, 0.2, 0}};
+  ASSERT_LT(1 - parameters_[0].v, parameters_[0].u);
+  const Samples samples = Evaluated(surface_, parameters_);
+  // From the second corner u is what v was from the first.
+  EXPECT_LE(MaxAbs(samples.points[0] - samples.points[1]), 1e-15);
+  EXPECT_LE(MaxAbs(samples.points[2] - samples.points[3]), 1e-15);
+}
+
 TEST_P(EvaluatePrimalBatchTest, EndsWhenTheJobIsCancelled) {
   const Context context;
   context.Cancel();

@@ -138,6 +138,18 @@ TEST_P(EvaluatePrimalTest, NothingIsLostNearExtraordinaryVertices) {
   }
 }
 
+// There the corners of smaller and smaller patches lie, regular ones among them.
+TEST_P(EvaluatePrimalTest, NothingIsLostAtPowersOfTwo) {
+  std::mt19937_64 random(74);
+  for (const int halvings : {30, 50, 100}) {
+    const double step = std::ldexp(1, -halvings);
+    const std::vector<SurfaceParameter> parameters = {At(random, step, 0), At(random, 0, step),
+                                                      At(random, step, step),
+                                                      At(random, step, step / 4)};
+    ExpectFollowed({}, 0, parameters, halvings + 34);
+  }
+}
+
 TEST_P(EvaluatePrimalTest, KnowsTheBilinearFirstStep) {
   if (Loop()) return;
   std::mt19937_64 random(73);

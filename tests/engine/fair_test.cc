@@ -206,6 +206,17 @@ TEST(Fair, HelpsOnRandomPolygons) {
   }
 }
 
+// Where a cure does harm at a few vertices, it is taken at the others: what is left is less than
+// any one cure for all of them leaves: 0.77 of the torus, 0.038 of the polygons, 0.048 of the
+// sphere.
+TEST(Fair, TakesCuresWhereTheyHelp) {
+  const std::pair<MeshKind, double> cases[] = {
+      {MeshKind::kTorus, 0.7}, {MeshKind::kNgons, 0.02}, {MeshKind::kIrregularSphere, 0.05}};
+  for (const auto& [kind, most] : cases) {
+    EXPECT_LT(Left(Generated(kind, 1500)), most) << MeshKindName(kind);
+  }
+}
+
 // What is smooth already moves by less than its distance from the round torus.
 TEST(Fair, DoesNoHarmToSmoothMeshes) {
   const DooSabinSurface before = oracle::SurfaceOf(oracle::RoundTorus(32, 16, 3, 1));
@@ -243,13 +254,13 @@ TEST(Fair, ReportsItsProgress) {
   });
   ASSERT_TRUE(Fair(context, {}, &surface).ok());
   EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
-  EXPECT_EQ(fractions.size(), 3U);
+  EXPECT_EQ(fractions.size(), 6U);
 }
 
 // A stop leaves the surface as it was, whenever it comes.
 TEST(Fair, StopsWhenCancelled) {
   const DooSabinSurface surface = oracle::SurfaceOf(Generated(MeshKind::kGradedBox, 300));
-  for (std::size_t stop = 0; stop < 3; ++stop) {
+  for (std::size_t stop = 0; stop < 6; ++stop) {
     DooSabinSurface faired = surface;
     Context context;
     std::size_t events = 0;
