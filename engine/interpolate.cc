@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "engine/interpolate.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -53,9 +54,10 @@ absl::Status CheckLevel(const Context& context, const PolygonMesh& mesh,
                       .field = kLevelField,
                       .remedy = absl::StrCat("It must be at most ", context.limits().max_level)});
   }
-  // Half-edges of the finest connectivity, T^(level - 1).
+  // Half-edges of the finest connectivity: T^(level - 1) for Doo-Sabin, else T^level.
+  const int below = options.scheme == Scheme::kDooSabin ? 1 : 0;
   const double half_edges = std::ldexp(static_cast<double>(mesh.corner_count()),
-                                       level < 2 ? 0 : 2 * (static_cast<int>(level) - 1));
+                                       2 * std::max(0, static_cast<int>(level) - below));
   if (options.surface && half_edges >= kNoIndex) {
     return MakeError(absl::StrCat("the refined mesh would have ", half_edges, " half-edges"),
                      {.reason = Reason::kLimitExceeded,
@@ -67,6 +69,7 @@ absl::Status CheckLevel(const Context& context, const PolygonMesh& mesh,
 
 absl::Status CheckOptions(const Context& context, const PolygonMesh& mesh,
                           const InterpolateOptions& options) {
+  LIMN_RETURN_IF_ERROR(ValidateSchemeOptions(options));
   LIMN_RETURN_IF_ERROR(ValidateSolveOptions(options.solve));
   // Level 0 is the least that will be needed.
   if (options.chord_tolerance.has_value()) return CheckLevel(context, mesh, AtLevel(options, 0), 0);

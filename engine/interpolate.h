@@ -87,6 +87,11 @@ struct InterpolateResult {
   std::vector<StageTime> stages;
 };
 
+// What the options ask of their scheme that it has not: INVALID_OPTION for what belongs to another
+// one, UNIMPLEMENTED for what it cannot do yet, each naming the field. Interpolate checks it too;
+// here it can be asked before there is a mesh. Cost: constant. Thread-safe.
+[[nodiscard]] absl::Status ValidateSchemeOptions(const InterpolateOptions& options);
+
 // Bytes of the arrays that Interpolate holds at its peak for such a mesh and options, the input
 // not counted. With a chord tolerance: when the finest level is chosen. Without boundary_edges: of
 // a closed mesh. 64-bit arithmetic; saturates. Cost: constant.
@@ -110,14 +115,12 @@ struct InterpolateResult {
 //   1e-10 rad of those prescribed, wherever the images around the vertex span a plane.
 //   Catmull-Clark and Loop: the points are as far off as the solve's residual says.
 // - The boundary of the surface is a B-spline for each boundary loop, quadratic for Doo-Sabin,
-// cubic
-//   else, which depends on
-//   the loop's vertices only, and through corners (vertices of one face) on those of the piece
-//   between two corners only: two meshes that share the points along a piece, in either direction,
-//   and its vertices' constraints, share the points of the curve to the last bit. Fairing leaves
-//   them alone. Corners are met and sharp, but for BoundaryRule::kEdgeOnly. (Catmull-Clark and Loop
-//   keep the last bit where the middle of the box is within 64 diagonals of the origin: the job
-//   runs on points around its own middle otherwise.)
+//   cubic else, which depends on the loop's vertices only, and through corners (vertices of one
+//   face) on those of the piece between two corners only. Fairing leaves it alone. Corners are met
+//   and sharp, but for BoundaryRule::kEdgeOnly. Doo-Sabin: two meshes that share the points along a
+//   piece, in either direction, and its vertices' constraints, share the points of the curve to the
+//   last bit. (So they do for Catmull-Clark and Loop where the middle of both boxes is within 64
+//   diagonals of the origin: jobs run on points around their own middle otherwise.)
 // - The result has the same bits for any number of threads.
 //
 // Errors: as HalfEdgeMesh::Build and ValidateConstraints; INVALID_OPTION for an option out of

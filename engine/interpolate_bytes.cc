@@ -92,7 +92,7 @@ double SharpnessBytes(const Counts& n) {
 // The operator's order of vertices and faces, and the arrays of the iteration; see Solve and
 // SolveControlMesh.
 double SolvePeak(const Counts& n, const InterpolateOptions& options) {
-  const bool images = options.rule == FirstRule::kStandard;
+  const bool images = options.scheme == Scheme::kDooSabin && options.rule == FirstRule::kStandard;
   const double values = images ? n.half_edges : n.faces;
   const double limit = 2 * (Indices(n.half_edges) + Indices(n.vertices) + Indices(n.faces));
   double sweeps = 3 * Points(n.vertices) + Points(values);
@@ -105,7 +105,11 @@ double SolvePeak(const Counts& n, const InterpolateOptions& options) {
                                                        Bytes(n.vertices, sizeof(double)) +
                                                        Points(values));
     weights = Indices(n.half_edges) + Bytes(n.vertices, 2 * sizeof(std::uint16_t));
-    if (creased) weights += 4 * Bytes(n.half_edges, sizeof(double)) + SharpnessBytes(n);
+    // A growing list holds its old half too.
+    if (creased) {
+      weights += 4 * Bytes(n.half_edges, sizeof(double)) + SharpnessBytes(n) +
+                 3 * Bytes(n.vertices, sizeof(Index) + sizeof(std::size_t));
+    }
   }
   if (options.solve.method == SolveMethod::kJacobi) {
     sweeps += Bytes(n.vertices, sizeof(double)) + Bytes(values, sizeof(double));

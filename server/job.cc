@@ -140,8 +140,12 @@ absl::Status Job::RepairMesh() {
   mesh_ = std::exchange(repaired_.mesh, PolygonMesh{});
   if (repaired_.report != RepairReport()) {
     mapping_.emplace(repaired_.original_vertex, repaired_.original_face, tile_options_.tile_bytes);
-    LIMN_ASSIGN_OR_RETURN(constraints, RenumberConstraints(constraints, repaired_.original_vertex,
-                                                           repaired_.original_face));
+    LIMN_ASSIGN_OR_RETURN(constraints,
+                          RenumberConstraints(context_, constraints,
+                                              {.vertex = repaired_.original_vertex,
+                                               .face = repaired_.original_face,
+                                               .vertex_count = spec_.mesh.vertex_count(),
+                                               .face_count = spec_.mesh.face_count()}));
   }
   AddStage("repair", MillisecondsSince(start));
   return absl::OkStatus();

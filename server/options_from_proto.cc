@@ -227,6 +227,7 @@ absl::StatusOr<JobSpec> JobSpecFromProto(const v1::InterpolateHeader& header) {
   LIMN_RETURN_IF_ERROR(CheckOutput(header.output()));
   ReadOutput(header.output(), &spec);
   LIMN_RETURN_IF_ERROR(CheckHolesTravel(header.output(), spec));
+  LIMN_RETURN_IF_ERROR(ValidateSchemeOptions(spec.engine));
   return spec;
 }
 
@@ -245,6 +246,7 @@ absl::StatusOr<JobSpec> EvaluateSpecFromProto(const v1::InterpolateHeader& heade
                    "Leave it off, and send a mesh that is repaired already");
   }
   spec.engine.keep_patches = true;
+  LIMN_RETURN_IF_ERROR(ValidateSchemeOptions(spec.engine));
   return spec;
 }
 

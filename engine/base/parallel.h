@@ -115,6 +115,23 @@ template <class Body>
 // Block size of scans and ordered sums.
 inline constexpr std::size_t kScanBlock = 8192;
 
+// *sum = sum of f(i) over [0, n), by blocks of kScanBlock in their order: same bits for any number
+// of threads. Errors: as ParallelFor.
+template <class F>
+[[nodiscard]] absl::Status ParallelSum(const Context& context, std::size_t n, const F& f,
+                                       double* sum) {
+  std::vector<double> part((n + kScanBlock - 1) / kScanBlock, 0);
+  absl::Status status = ParallelBlocks(context, n, kScanBlock,
+                                       [&](std::size_t block, std::size_t begin, std::size_t end) {
+                                         double total = 0;
+                                         for (std::size_t i = begin; i < end; ++i) total += f(i);
+                                         part[block] = total;
+                                       });
+  *sum = 0;
+  for (const double p : part) *sum += p;
+  return status;
+}
+
 // Ordered numbering: count(begin, end) says how many items the range holds; then
 // place(begin, end, first) is called with the number of items before `begin`. Returns the total.
 template <class Count, class Place>

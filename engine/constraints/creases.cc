@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/match.h"
@@ -24,29 +25,41 @@ struct Lists {
   std::vector<float> corner_sharpnesses;
 };
 
-absl::Status CheckSize(std::size_t crease, const CreaseConstraint& wish) {
-  const std::string path = absl::StrCat("constraints.creases[", crease, "]");
-  if (wish.vertices.size() < 2) {
-    return MakeError(absl::StrCat(path, ".vertices: a crease of ", wish.vertices.size(),
-                                  " vertices has no edge"),
-                     {.reason = Reason::kInvalidOption,
-                      .field = absl::StrCat(path, ".vertices"),
-                      .index = crease,
-                      .remedy = "Name two or more vertices along the crease"});
-  }
-  const std::size_t given = wish.sharpness.size();
-  if (given == 1 || given + 1 == wish.vertices.size()) return absl::OkStatus();
-  return MakeError(
-      absl::StrCat(path, ".sharpness: ", given, " values for ", wish.vertices.size() - 1, " edges"),
-      {.reason = Reason::kInvalidOption,
-       .field = absl::StrCat(path, ".sharpness"),
-       .index = crease,
-       .remedy = "Give one value for the crease, or one for each of its edges"});
+constexpr std::size_t kCreasesPerCheck = 4096;
+
+absl::Status RefuseSize(std::size_t crease, std::string_view member, std::string_view message,
+                        std::string_view remedy) {
+  std::string field = absl::StrCat("constraints.creases[", crease, "].", std::string(member));
+  std::string text = absl::StrCat(field, ": ", std::string(message));
+  return MakeError(text, {.reason = Reason::kInvalidOption,
+                          .field = std::move(field),
+                          .index = crease,
+                          .remedy = std::string(remedy)});
 }
 
-absl::StatusOr<Lists> ListsOf(const Constraints& constraints) {
+absl::Status CheckSize(std::size_t crease, const CreaseConstraint& wish) {
+  const std::size_t vertices = wish.vertices.size();
+  if (vertices < 2) {
+    return RefuseSize(crease, "vertices",
+                      absl::StrCat("a crease of ", vertices, " vertices has no edge"),
+                      "Name two or more vertices along the crease");
+  }
+  const std::size_t given = wish.sharpness.size();
+  if (given == 1 || given + 1 == vertices) return absl::OkStatus();
+  return RefuseSize(crease, "sharpness",
+                    absl::StrCat(given, " values for ", vertices - 1, " edges"),
+                    "Give one value for the crease, or one for each of its edges");
+}
+
+absl::StatusOr<Lists> ListsOf(const Context& context, const Constraints& constraints) {
   Lists lists;
+  std::size_t vertices = 0;
+  for (const CreaseConstraint& wish : constraints.creases) vertices += wish.vertices.size();
+  lists.vertices.reserve(vertices);
+  lists.sharpnesses.reserve(vertices);
+  lists.lengths.reserve(constraints.creases.size());
   for (std::size_t c = 0; c < constraints.creases.size(); ++c) {
+    if (c % kCreasesPerCheck == 0) LIMN_RETURN_IF_ERROR(context.Check());
     const CreaseConstraint& wish = constraints.creases[c];
     LIMN_RETURN_IF_ERROR(CheckSize(c, wish));
     lists.vertices.insert(lists.vertices.end(), wish.vertices.begin(), wish.vertices.end());
@@ -55,6 +68,8 @@ absl::StatusOr<Lists> ListsOf(const Constraints& constraints) {
       lists.sharpnesses.push_back(wish.sharpness[wish.sharpness.size() == 1 ? 0 : i]);
     }
   }
+  lists.corners.reserve(constraints.corners.size());
+  lists.corner_sharpnesses.reserve(constraints.corners.size());
   for (const CornerConstraint& wish : constraints.corners) {
     lists.corners.push_back(wish.vertex);
     lists.corner_sharpnesses.push_back(wish.sharpness);
@@ -62,9 +77,15 @@ absl::StatusOr<Lists> ListsOf(const Constraints& constraints) {
   return lists;
 }
 
-// The path of entry `index` of all creases' vertices (extra = 0) or edges (extra = 1).
-std::string CreasePath(const Constraints& constraints, std::size_t index, std::size_t extra,
-                       std::string_view member) {
+// Where an entry stands: its path, and the last index in it.
+struct Place {
+  std::string path;
+  std::size_t index = 0;
+};
+
+// Of entry `index` of all creases' vertices (extra = 0) or edges (extra = 1).
+Place CreasePlace(const Constraints& constraints, std::size_t index, std::size_t extra,
+                  std::string_view member) {
   std::size_t c = 0;
   while (c + 1 < constraints.creases.size() &&
          index >= constraints.creases[c].vertices.size() - extra) {
@@ -73,26 +94,27 @@ std::string CreasePath(const Constraints& constraints, std::size_t index, std::s
   }
   // One sharpness may stand for all edges.
   if (extra == 1 && constraints.creases[c].sharpness.size() == 1) index = 0;
-  return absl::StrCat("constraints.creases[", c, "].", std::string(member), "[", index, "]");
+  return {absl::StrCat("constraints.creases[", c, "].", std::string(member), "[", index, "]"),
+          index};
 }
 
-std::string PathOf(const Constraints& constraints, const std::string& field, std::size_t index) {
+Place PlaceOf(const Constraints& constraints, const std::string& field, std::size_t index) {
   if (absl::StartsWith(field, "crease_indices")) {
-    return CreasePath(constraints, index, 0, "vertices");
+    return CreasePlace(constraints, index, 0, "vertices");
   }
   if (absl::StartsWith(field, "crease_sharpnesses")) {
-    return CreasePath(constraints, index, 1, "sharpness");
+    return CreasePlace(constraints, index, 1, "sharpness");
   }
   if (absl::StartsWith(field, "corner_indices")) {
-    return absl::StrCat("constraints.corners[", index, "].vertex");
+    return {absl::StrCat("constraints.corners[", index, "].vertex"), index};
   }
   if (absl::StartsWith(field, "corner_sharpnesses")) {
-    return absl::StrCat("constraints.corners[", index, "].sharpness");
+    return {absl::StrCat("constraints.corners[", index, "].sharpness"), index};
   }
   if (absl::StartsWith(field, "hole_indices")) {
-    return absl::StrCat("constraints.holes[", index, "]");
+    return {absl::StrCat("constraints.holes[", index, "]"), index};
   }
-  return field;
+  return {field, index};
 }
 
 absl::Status InWordsOfTheContract(const absl::Status& status, const Constraints& constraints) {
@@ -101,7 +123,9 @@ absl::Status InWordsOfTheContract(const absl::Status& status, const Constraints&
   absl::string_view message = status.message();
   if (!detail->remedy.empty()) message.remove_suffix(detail->remedy.size() + 2);
   if (absl::StartsWith(message, detail->field)) message.remove_prefix(detail->field.size());
-  detail->field = PathOf(constraints, detail->field, *detail->index);
+  Place place = PlaceOf(constraints, detail->field, *detail->index);
+  detail->field = std::move(place.path);
+  detail->index = place.index;
   return MakeError(absl::StrCat(detail->field, message), *detail);
 }
 
@@ -109,7 +133,7 @@ absl::Status InWordsOfTheContract(const absl::Status& status, const Constraints&
 
 absl::StatusOr<Sharpness> SharpnessOf(const Context& context, const HalfEdgeMesh& mesh,
                                       const Constraints& constraints, BoundaryRule boundary) {
-  LIMN_ASSIGN_OR_RETURN(const Lists lists, ListsOf(constraints));
+  LIMN_ASSIGN_OR_RETURN(const Lists lists, ListsOf(context, constraints));
   absl::StatusOr<Sharpness> made = MakeSharpness(context, mesh,
                                                  {.crease_indices = lists.vertices,
                                                   .crease_lengths = lists.lengths,

@@ -12,7 +12,6 @@
 namespace limn {
 namespace {
 
-constexpr std::size_t kBlock = 1024;
 // Along an edge that is shorter than this part of its neighbour in the face, this part is taken.
 constexpr double kShortest = 1e-3;
 // And one that is shorter than this part of the longest: powers of it stay far from overflow.
@@ -44,21 +43,6 @@ class Smoother {
   }
 
  private:
-  // Runs over vertices in blocks and adds up what body(v) returns, in the order of blocks.
-  template <class Body>
-  absl::Status SumOverVertices(const Body& body, double* sum) {
-    const std::size_t n = faces_.vertex_count();
-    partial_.assign((n + kBlock - 1) / kBlock, 0);
-    LIMN_RETURN_IF_ERROR(ParallelBlocks(context_, n, kBlock,
-                                        [&](std::size_t block, std::size_t begin, std::size_t end) {
-                                          double here = 0;
-                                          for (std::size_t v = begin; v < end; ++v) here += body(v);
-                                          partial_[block] = here;
-                                        }));
-    *sum = 0;
-    for (const double part : partial_) *sum += part;
-    return absl::OkStatus();
-  }
   template <class Body>
   absl::Status ForCorners(const Body& body) {
     return ParallelFor(context_, mesh_.half_edge_count(), [&](std::size_t begin, std::size_t end) {
@@ -189,7 +173,8 @@ class Smoother {
     q_.resize(n);
     LIMN_RETURN_IF_ERROR(Differences(x_));
     LIMN_RETURN_IF_ERROR(AddCurve());
-    return SumOverVertices(
+    return ParallelSum(
+        context_, faces_.vertex_count(),
         [&](std::size_t v) {
           for (const Index h : faces_.Fan(v)) r_[h] = -Gather(h);
           faces_.Project(v, absl::MakeSpan(r_));
@@ -206,7 +191,8 @@ class Smoother {
   absl::Status Step() {
     LIMN_RETURN_IF_ERROR(Differences(p_));
     double curvature = 0;
-    LIMN_RETURN_IF_ERROR(SumOverVertices(
+    LIMN_RETURN_IF_ERROR(ParallelSum(
+        context_, faces_.vertex_count(),
         [&](std::size_t v) {
           for (const Index h : faces_.Fan(v)) q_[h] = Gather(h);
           faces_.Project(v, absl::MakeSpan(q_));
@@ -221,7 +207,8 @@ class Smoother {
     }
     const double step = residual_ / curvature;
     const double before = residual_;
-    LIMN_RETURN_IF_ERROR(SumOverVertices(
+    LIMN_RETURN_IF_ERROR(ParallelSum(
+        context_, faces_.vertex_count(),
         [&](std::size_t v) {
           double sum = 0;
           for (const Index h : faces_.Fan(v)) {
@@ -254,7 +241,6 @@ class Smoother {
   Buffer<Vec3> q_;
   // r . (preconditioned r).
   double residual_ = 0;
-  std::vector<double> partial_;
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -12,101 +13,177 @@
 namespace limn {
 namespace {
 
-// The vertices that come from each input vertex.
-class Descendants {
+constexpr std::size_t kEntriesPerCheck = 4096;
+
+// An entry of a list, as errors name it: before + [index] + after.
+struct Entry {
+  std::string before;
+  std::size_t index = 0;
+  std::string_view after = "";
+};
+
+absl::Status Refuse(Reason reason, const Entry& entry, std::string_view message,
+                    std::string_view remedy) {
+  std::string field = absl::StrCat(entry.before, "[", entry.index, "]", std::string(entry.after));
+  std::string text = absl::StrCat(field, ": ", std::string(message));
+  return MakeError(text, {.reason = reason,
+                          .field = std::move(field),
+                          .index = entry.index,
+                          .remedy = std::string(remedy)});
+}
+
+absl::Status CheckRange(const Entry& entry, Index index, std::size_t count) {
+  if (index < count) return absl::OkStatus();
+  return Refuse(Reason::kIndexOutOfRange, entry,
+                absl::StrCat("there is no ", index, ", the mesh has ", count),
+                "Vertices and faces are counted from 0");
+}
+
+class Renumberer {
  public:
-  explicit Descendants(absl::Span<const Index> original_vertex) {
-    pairs_.reserve(original_vertex.size());
-    for (std::size_t v = 0; v < original_vertex.size(); ++v) {
-      pairs_.emplace_back(original_vertex[v], static_cast<Index>(v));
+  Renumberer(const Context& context, const Constraints& given, const RepairOrigin& origin)
+      : context_(context), given_(given), origin_(origin) {}
+
+  absl::StatusOr<Constraints> Run() {
+    LIMN_RETURN_IF_ERROR(FindDescendants());
+    if (given_.interpolate.has_value()) {
+      result_.interpolate.emplace();
+      LIMN_RETURN_IF_ERROR(ForEach(
+          *given_.interpolate, {"constraints.interpolate.vertices"}, [](Index v) { return v; },
+          [&](Index v, Index) { result_.interpolate->push_back(v); }));
     }
-    std::sort(pairs_.begin(), pairs_.end());
+    LIMN_RETURN_IF_ERROR(ForEach(
+        given_.normals, {"constraints.normals", 0, ".vertex"},
+        [](const NormalConstraint& wish) { return wish.vertex; },
+        [&](Index v, const NormalConstraint& wish) {
+          result_.normals.push_back({v, wish.normal});
+        }));
+    LIMN_RETURN_IF_ERROR(ForEach(
+        given_.shape_handles, {"constraints.shape_handles", 0, ".vertex"},
+        [](const ShapeHandle& wish) { return wish.vertex; },
+        [&](Index v, const ShapeHandle& wish) {
+          result_.shape_handles.push_back({v, wish.value});
+        }));
+    for (std::size_t c = 0; c < given_.creases.size(); ++c) {
+      LIMN_RETURN_IF_ERROR(RenumberCrease(c));
+    }
+    LIMN_RETURN_IF_ERROR(RenumberCorners());
+    LIMN_RETURN_IF_ERROR(RenumberHoles());
+    return std::move(result_);
   }
 
-  // Calls take(vertex) for each. field: of the constraint, for the error.
+ private:
+  using Pair = std::pair<Index, Index>;
+
+  // The vertices that come from each input vertex.
+  absl::Status FindDescendants() {
+    pairs_.reserve(origin_.vertex.size());
+    for (std::size_t v = 0; v < origin_.vertex.size(); ++v) {
+      pairs_.emplace_back(origin_.vertex[v], static_cast<Index>(v));
+    }
+    LIMN_RETURN_IF_ERROR(context_.Check());
+    std::sort(pairs_.begin(), pairs_.end());
+    return context_.Check();
+  }
+
+  // Calls take(v) for each vertex v that comes from `original`.
   template <class Take>
-  absl::Status ForEach(Index original, const std::string& field, const Take& take) const {
-    auto at = std::lower_bound(pairs_.begin(), pairs_.end(), std::pair<Index, Index>{original, 0});
+  absl::Status Visit(Index original, const Entry& entry, const Take& take) {
+    if (++visits_ % kEntriesPerCheck == 0) LIMN_RETURN_IF_ERROR(context_.Check());
+    LIMN_RETURN_IF_ERROR(CheckRange(entry, original, origin_.vertex_count));
+    auto at = std::lower_bound(pairs_.begin(), pairs_.end(), Pair{original, 0});
     if (at == pairs_.end() || at->first != original) {
-      return MakeError(
-          absl::StrCat(field, ": repair has left out vertex ", original, ", which no face uses"),
-          {.reason = Reason::kInvalidOption, .field = field, .remedy = "Leave the constraint out"});
+      return Refuse(Reason::kInvalidOption, entry,
+                    absl::StrCat("repair has left out vertex ", original, ", which no face uses"),
+                    "Leave the constraint out");
     }
     for (; at != pairs_.end() && at->first == original; ++at) take(at->second);
     return absl::OkStatus();
   }
 
- private:
-  std::vector<std::pair<Index, Index>> pairs_;
-};
-
-absl::Status RenumberSharp(const Descendants& descendants, const Constraints& constraints,
-                           Constraints* result) {
-  for (std::size_t c = 0; c < constraints.creases.size(); ++c) {
-    CreaseConstraint crease = {.vertices = {}, .sharpness = constraints.creases[c].sharpness};
-    for (std::size_t i = 0; i < constraints.creases[c].vertices.size(); ++i) {
-      const std::string field = absl::StrCat("constraints.creases[", c, "].vertices[", i, "]");
-      const Index original = constraints.creases[c].vertices[i];
-      LIMN_RETURN_IF_ERROR(
-          descendants.ForEach(original, field, [&](Index v) { crease.vertices.push_back(v); }));
-      if (crease.vertices.size() == i + 1) continue;
-      return MakeError(absl::StrCat(field, ": repair has split vertex ", original),
-                       {.reason = Reason::kInvalidOption,
-                        .field = field,
-                        .index = i,
-                        .remedy = "Leave the crease out, or send the repaired mesh"});
+  template <class List, class VertexOf, class Take>
+  absl::Status ForEach(const List& list, Entry entry, const VertexOf& vertex_of, const Take& take) {
+    for (entry.index = 0; entry.index < list.size(); ++entry.index) {
+      const auto& wish = list[entry.index];
+      LIMN_RETURN_IF_ERROR(Visit(vertex_of(wish), entry, [&](Index v) { take(v, wish); }));
     }
-    result->creases.push_back(std::move(crease));
+    return absl::OkStatus();
   }
-  for (std::size_t i = 0; i < constraints.corners.size(); ++i) {
-    const CornerConstraint& wish = constraints.corners[i];
-    LIMN_RETURN_IF_ERROR(descendants.ForEach(
-        wish.vertex, absl::StrCat("constraints.corners[", i, "].vertex"), [&](Index v) {
-          result->corners.push_back({v, wish.sharpness});
-        }));
+
+  absl::Status RenumberCrease(std::size_t c) {
+    const CreaseConstraint& given = given_.creases[c];
+    CreaseConstraint crease = {.vertices = {}, .sharpness = given.sharpness};
+    Entry entry = {absl::StrCat("constraints.creases[", c, "].vertices")};
+    for (; entry.index < given.vertices.size(); ++entry.index) {
+      const Index original = given.vertices[entry.index];
+      std::size_t copies = 0;
+      Index last = 0;
+      LIMN_RETURN_IF_ERROR(Visit(original, entry, [&](Index v) {
+        last = v;
+        ++copies;
+      }));
+      if (copies > 1) {
+        return Refuse(Reason::kInvalidOption, entry,
+                      absl::StrCat("repair has split vertex ", original),
+                      "Leave the crease out, or send the repaired mesh");
+      }
+      crease.vertices.push_back(last);
+    }
+    result_.creases.push_back(std::move(crease));
+    return absl::OkStatus();
   }
-  return absl::OkStatus();
-}
+
+  absl::Status RenumberCorners() {
+    Entry entry = {"constraints.corners", 0, ".vertex"};
+    // By vertex; of equal ones the last is first.
+    std::vector<std::pair<Index, std::size_t>> order;
+    order.reserve(given_.corners.size());
+    for (; entry.index < given_.corners.size(); ++entry.index) {
+      const Index vertex = given_.corners[entry.index].vertex;
+      LIMN_RETURN_IF_ERROR(CheckRange(entry, vertex, origin_.vertex_count));
+      order.emplace_back(vertex, given_.corners.size() - entry.index);
+    }
+    std::sort(order.begin(), order.end());
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      if (i > 0 && order[i].first == order[i - 1].first) continue;
+      entry.index = given_.corners.size() - order[i].second;
+      const float sharpness = given_.corners[entry.index].sharpness;
+      LIMN_RETURN_IF_ERROR(Visit(order[i].first, entry, [&](Index v) {
+        result_.corners.push_back({v, sharpness});
+      }));
+    }
+    return absl::OkStatus();
+  }
+
+  // Faces that were left out are no holes any more.
+  absl::Status RenumberHoles() {
+    if (given_.holes.empty()) return absl::OkStatus();
+    Entry entry = {"constraints.holes"};
+    for (; entry.index < given_.holes.size(); ++entry.index) {
+      LIMN_RETURN_IF_ERROR(CheckRange(entry, given_.holes[entry.index], origin_.face_count));
+    }
+    std::vector<bool> is_hole(origin_.face_count);
+    for (const Index f : given_.holes) is_hole[f] = true;
+    for (std::size_t f = 0; f < origin_.face.size(); ++f) {
+      if (is_hole[origin_.face[f]]) result_.holes.push_back(static_cast<Index>(f));
+    }
+    return context_.Check();
+  }
+
+  const Context& context_;
+  const Constraints& given_;
+  const RepairOrigin& origin_;
+  std::vector<Pair> pairs_;
+  std::size_t visits_ = 0;
+  Constraints result_;
+};
 
 }  // namespace
 
-absl::StatusOr<Constraints> RenumberConstraints(const Constraints& constraints,
-                                                absl::Span<const Index> original_vertex,
-                                                absl::Span<const Index> original_face) {
-  const Descendants descendants(original_vertex);
-  Constraints result;
-  if (constraints.interpolate.has_value()) {
-    result.interpolate.emplace();
-    for (std::size_t i = 0; i < constraints.interpolate->size(); ++i) {
-      LIMN_RETURN_IF_ERROR(descendants.ForEach(
-          (*constraints.interpolate)[i], absl::StrCat("constraints.interpolate.vertices[", i, "]"),
-          [&](Index v) { result.interpolate->push_back(v); }));
-    }
-  }
-  for (std::size_t i = 0; i < constraints.normals.size(); ++i) {
-    const NormalConstraint& wish = constraints.normals[i];
-    LIMN_RETURN_IF_ERROR(descendants.ForEach(
-        wish.vertex, absl::StrCat("constraints.normals[", i, "].vertex"), [&](Index v) {
-          result.normals.push_back({v, wish.normal});
-        }));
-  }
-  for (std::size_t i = 0; i < constraints.shape_handles.size(); ++i) {
-    const ShapeHandle& wish = constraints.shape_handles[i];
-    LIMN_RETURN_IF_ERROR(descendants.ForEach(
-        wish.vertex, absl::StrCat("constraints.shape_handles[", i, "].vertex"), [&](Index v) {
-          result.shape_handles.push_back({v, wish.value});
-        }));
-  }
-  LIMN_RETURN_IF_ERROR(RenumberSharp(descendants, constraints, &result));
-  // Faces that were left out are no holes any more.
-  std::vector<Index> holes = constraints.holes;
-  std::sort(holes.begin(), holes.end());
-  for (std::size_t f = 0; f < original_face.size() && !holes.empty(); ++f) {
-    if (std::binary_search(holes.begin(), holes.end(), original_face[f])) {
-      result.holes.push_back(static_cast<Index>(f));
-    }
-  }
-  return result;
+absl::StatusOr<Constraints> RenumberConstraints(const Context& context,
+                                                const Constraints& constraints,
+                                                const RepairOrigin& origin) {
+  return Renumberer(context, constraints, origin).Run();
 }
 
 }  // namespace limn

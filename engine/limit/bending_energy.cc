@@ -159,14 +159,9 @@ absl::Status BendingEnergyMeter::MeasureBoundary(const Context& context, double 
 }
 
 absl::StatusOr<double> BendingEnergyMeter::Total(const Context& context) const {
-  std::vector<double> partial((energy_.size() + kPatchBlock - 1) / kPatchBlock, 0);
-  LIMN_RETURN_IF_ERROR(ParallelBlocks(context, energy_.size(), kPatchBlock,
-                                      [&](std::size_t block, std::size_t begin, std::size_t end) {
-                                        for (std::size_t h = begin; h < end; ++h)
-                                          partial[block] += energy_[h];
-                                      }));
   double total = 0;
-  for (const double part : partial) total += part;
+  LIMN_RETURN_IF_ERROR(ParallelSum(
+      context, energy_.size(), [&](std::size_t h) { return energy_[h]; }, &total));
   return total;
 }
 

@@ -44,6 +44,9 @@ class HalfEdgeMesh {
   }
   std::size_t boundary_edge_count() const { return 2 * edge_count() - half_edge_count(); }
 
+  // Whether the mesh ends at vertex v.
+  bool IsBoundary(std::size_t v) const { return twin_[vertex_half_edge_[v]] == kNoIndex; }
+
   // Arity of all faces, or 0 when it differs or the mesh comes from Build.
   std::uint32_t arity() const { return arity_; }
 

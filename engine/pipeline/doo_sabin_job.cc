@@ -2,11 +2,8 @@
 // Doo-Sabin surfaces in a job. Source: Zheng and Cai 2005, section 3.4.
 #include <algorithm>
 #include <optional>
-#include <string>
-#include <string_view>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
 #include "engine/constraints/fair.h"
@@ -20,29 +17,6 @@
 namespace limn {
 namespace {
 
-absl::Status OnlyForOthers(std::string field, std::string_view what) {
-  std::string text =
-      absl::StrCat(field, ": ", std::string(what), " belong to Catmull-Clark and Loop surfaces");
-  return MakeError(text, {.reason = Reason::kInvalidOption,
-                          .field = std::move(field),
-                          .remedy = "Leave them out or choose another scheme"});
-}
-
-absl::Status CheckOptions(const InterpolateOptions& options) {
-  const Constraints& constraints = options.constraints;
-  if (!constraints.creases.empty()) return OnlyForOthers("constraints.creases", "creases");
-  if (!constraints.corners.empty()) return OnlyForOthers("constraints.corners", "sharp corners");
-  if (!constraints.holes.empty()) return OnlyForOthers("constraints.holes", "holes");
-  if (options.boundary.has_value()) return OnlyForOthers("surface.boundary", "boundary rules");
-  if (options.rule == FirstRule::kBilinear) {
-    return MakeError("the bilinear first step belongs to Catmull-Clark surfaces",
-                     {.reason = Reason::kInvalidOption,
-                      .field = "solve.rule",
-                      .remedy = "Choose the modified or the standard rule"});
-  }
-  return absl::OkStatus();
-}
-
 class DooSabinJob : public SchemeJob {
  public:
   explicit DooSabinJob(JobFrame* frame)
@@ -51,7 +25,6 @@ class DooSabinJob : public SchemeJob {
         rule_(frame->options.rule.value_or(FirstRule::kModified)) {}
 
   absl::Status Start(HalfEdgeMesh mesh) override {
-    LIMN_RETURN_IF_ERROR(CheckOptions(frame_.options));
     LIMN_ASSIGN_OR_RETURN(BoundaryCurve boundary, FindBoundary(context_, mesh));
     boundary.origin = frame_.origin;
     patches_.emplace(

@@ -3,19 +3,15 @@
 // Sources: Halstead, Kass and DeRose 1993; Chen et al., "Interpolating meshes of arbitrary topology
 // by Catmull-Clark surfaces" (series); Cheng et al., "Progressive interpolation using Loop
 // subdivision surfaces", 2008.
-#include <algorithm>
-#include <cmath>
 #include <optional>
-#include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
-#include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
 #include "engine/constraints/creases.h"
 #include "engine/limit/vertex_limit.h"
+#include "engine/pipeline/boundary_row.h"
 #include "engine/pipeline/scheme_job.h"
 #include "engine/refine/boundary_curve.h"
 #include "engine/refine/catmull_clark_refine.h"
@@ -29,112 +25,6 @@
 namespace limn {
 namespace {
 
-absl::Status Refuse(Reason reason, std::string field, std::string_view message,
-                    std::string_view remedy) {
-  std::string text = absl::StrCat(field, ": ", std::string(message));
-  return MakeError(text,
-                   {.reason = reason, .field = std::move(field), .remedy = std::string(remedy)});
-}
-
-absl::Status NoChordBound() {
-  return Refuse(Reason::kUnimplemented, "surface.chord_tolerance",
-                "chord tolerances of Catmull-Clark and Loop surfaces are not implemented yet",
-                "Choose a level");
-}
-
-absl::Status CheckOptions(const InterpolateOptions& options) {
-  const Constraints& constraints = options.constraints;
-  if (!constraints.shape_handles.empty()) {
-    return Refuse(Reason::kInvalidOption, "constraints.shape_handles",
-                  "shape handles belong to Doo-Sabin surfaces",
-                  "Leave them out or choose Doo-Sabin");
-  }
-  if (!constraints.normals.empty()) {
-    return Refuse(Reason::kUnimplemented, "constraints.normals",
-                  "normals of Catmull-Clark and Loop surfaces are not implemented yet",
-                  "Leave them out or choose Doo-Sabin");
-  }
-  if (options.fair) {
-    return Refuse(Reason::kInvalidOption, "solve.fair", "fairing belongs to Doo-Sabin surfaces",
-                  "Leave it out or choose Doo-Sabin");
-  }
-  if (options.chord_tolerance.has_value()) return NoChordBound();
-  if (options.keep_patches) {
-    return Refuse(Reason::kUnimplemented, "scheme",
-                  "evaluation of Catmull-Clark and Loop surfaces is not implemented yet",
-                  "Choose Doo-Sabin");
-  }
-  if (options.rule == FirstRule::kModified) {
-    return Refuse(Reason::kInvalidOption, "solve.rule", "the modified rule belongs to Doo-Sabin",
-                  "Choose the standard rule or none");
-  }
-  if (options.rule == FirstRule::kBilinear && options.scheme == Scheme::kLoop) {
-    return Refuse(Reason::kInvalidOption, "solve.rule",
-                  "the bilinear first step belongs to Catmull-Clark",
-                  "Choose the standard rule or none");
-  }
-  return absl::OkStatus();
-}
-
-// The weight of a vertex of the boundary in its own limit point: 2/3, more where it is sharp for a
-// while, 1 for corners. What is sharp inside makes corners too.
-class BoundaryRow {
- public:
-  explicit BoundaryRow(const SurfaceLevel& level)
-      : mesh_(level.mesh), sharpness_(level.sharpness) {}
-
-  double WeightAt(Index v) const {
-    if (!sharpness_.creased()) {
-      const bool corner =
-          sharpness_.boundary == BoundaryRule::kEdgeAndCorner && mesh_.valence(v) == 1;
-      return corner ? 1 : kCubicCurve.vertex;
-    }
-    float most = sharpness_.vertex[v];
-    for (Index i = mesh_.fan_begin()[v] + 1; i < mesh_.fan_begin()[v + 1]; ++i) {
-      most = std::max(most, Edge(i));
-    }
-    if (most >= kSharpForever) return 1;
-    double weight = kCubicCurve.vertex;
-    for (int k = static_cast<int>(std::ceil(most)); k-- > 0;) {
-      weight = 1 - (weight * NeighboursAfter(v, k) + (1 - weight) / 2);
-    }
-    return weight;
-  }
-
- private:
-  float Edge(Index i) const { return sharpness_.edge[mesh_.edge()[mesh_.fan()[i]]]; }
-  static float After(float sharpness, int steps) {
-    return std::max(0.0F, sharpness - static_cast<float>(steps));
-  }
-
-  // The share of both neighbours on the boundary in the vertex's point of T^(k+1): the rule is
-  // asked what it makes of 0 and of ends at 1.
-  double NeighboursAfter(Index v, int k) const {
-    VertexBlend blend({0, 0, 0}, After(sharpness_.vertex[v], k));
-    blend.Add(kSharpForever, {1, 0, 0});
-    blend.Add(kSharpForever, {1, 0, 0});
-    for (Index i = mesh_.fan_begin()[v] + 1; i < mesh_.fan_begin()[v + 1]; ++i) {
-      blend.Add(After(Edge(i), k), {0, 0, 0});
-    }
-    return blend.Point({0, 0, 0}).x;
-  }
-
-  const HalfEdgeMesh& mesh_;
-  const Sharpness& sharpness_;
-};
-
-void SetBoundaryRows(const SurfaceLevel& level, BoundaryProblem* boundary) {
-  const BoundaryRow row(level);
-  const std::size_t size = boundary->curve.size();
-  boundary->corner.resize(size);
-  if (level.sharpness.transient > 0) boundary->vertex_weights.resize(size);
-  for (std::size_t i = 0; i < size; ++i) {
-    const double weight = row.WeightAt(level.mesh.vertex()[boundary->curve.half_edge[i]]);
-    boundary->corner[i] = weight == 1 ? 1 : 0;
-    if (!boundary->vertex_weights.empty()) boundary->vertex_weights[i] = weight;
-  }
-}
-
 class PrimalJob : public SchemeJob {
  public:
   explicit PrimalJob(JobFrame* frame)
@@ -143,7 +33,6 @@ class PrimalJob : public SchemeJob {
         kind_(frame->options.scheme == Scheme::kLoop ? RingKind::kTriangles : RingKind::kQuads) {}
 
   absl::Status Start(HalfEdgeMesh mesh) override {
-    LIMN_RETURN_IF_ERROR(CheckOptions(frame_.options));
     if (kind_ == RingKind::kTriangles) LIMN_RETURN_IF_ERROR(RequireTriangles(mesh));
     mesh_ = std::move(mesh);
     LIMN_ASSIGN_OR_RETURN(
@@ -176,7 +65,9 @@ class PrimalJob : public SchemeJob {
     return absl::OkStatus();
   }
 
-  absl::StatusOr<ChordLevel> ChooseLevel(double /*tolerance*/) override { return NoChordBound(); }
+  absl::StatusOr<ChordLevel> ChooseLevel(double /*tolerance*/) override {
+    return ValidateSchemeOptions(frame_.options);
+  }
 
   absl::Status Refine() override {
     const double bilinear = level_ == 0 ? bilinear_share() : 0;
@@ -238,20 +129,39 @@ class PrimalJob : public SchemeJob {
                           SharpRows(context_, kind_, {*mesh_, sharpness_}, share));
     LIMN_RETURN_IF_ERROR(
         SetWeightedRows(context_, mesh_->vertex_count(), std::move(rows), &stencil));
-    LIMN_ASSIGN_OR_RETURN(result.solve, SolveControlMesh(context_, problem, boundary_control_,
-                                                         {.stencil = std::move(stencil),
-                                                          .options = frame_.options.solve},
-                                                         absl::MakeSpan(result.control_positions)));
-    if (IsRegular(result.solve) || frame_.options.rule.has_value()) return true;
-    if (frame_.options.strict) return NotRegular();
-    return last;
+    const auto solve = [&](SolveMethod method) -> absl::Status {
+      SolveOptions options = frame_.options.solve;
+      options.method = method;
+      LIMN_ASSIGN_OR_RETURN(result.solve,
+                            SolveControlMesh(context_, problem, boundary_control_,
+                                             {.stencil = stencil, .options = options},
+                                             absl::MakeSpan(result.control_positions)));
+      return absl::OkStatus();
+    };
+    const SolveMethod asked = frame_.options.solve.method;
+    if (frame_.options.rule.has_value()) {
+      LIMN_RETURN_IF_ERROR(solve(asked));
+      return true;
+    }
+    // Which surface it is does not depend on the method that is asked for.
+    LIMN_RETURN_IF_ERROR(solve(SolveMethod::kAutomatic));
+    if (result.solve.trouble && frame_.options.strict) return NotRegular();
+    if (result.solve.trouble && !last) return false;
+    if (asked != SolveMethod::kAutomatic && asked != result.solve.method) {
+      LIMN_RETURN_IF_ERROR(solve(asked));
+    }
+    return true;
   }
 
-  static absl::Status NotRegular() {
-    return Refuse(Reason::kIllConditioned, "solve.strict",
-                  "the interpolation problem of this mesh is singular or nearly so",
-                  "Leave strict out, which takes the first refinement bilinear, or interpolate "
-                  "fewer vertices");
+  absl::Status NotRegular() const {
+    return MakeError(
+        "solve.strict: the interpolation problem of this mesh is singular or nearly so",
+        {.reason = Reason::kIllConditioned,
+         .field = "solve.strict",
+         .remedy = kind_ == RingKind::kQuads
+                       ? "Leave strict out, which takes the first refinement bilinear, or "
+                         "interpolate fewer vertices"
+                       : "Leave strict out, make less of it sharp or interpolate fewer vertices"});
   }
 
   // Faces of T^level, without holes.

@@ -15,10 +15,6 @@
 namespace limn {
 namespace {
 
-bool IsBoundary(const HalfEdgeMesh& mesh, std::size_t v) {
-  return mesh.twin()[mesh.fan()[mesh.fan_begin()[v]]] == kNoIndex;
-}
-
 // Gives every vertex the row of its valence, row_of_valence(n), and boundary vertices an identity.
 template <class RowOfValence>
 absl::Status SetRows(const Context& context, const HalfEdgeMesh& mesh,
@@ -27,7 +23,7 @@ absl::Status SetRows(const Context& context, const HalfEdgeMesh& mesh,
   // Distinct valences are few: their sum is at most the number of corners. Boundary vertices count
   // as valence 0.
   Buffer<std::uint16_t> row;
-  const auto valence = [&](std::size_t v) { return IsBoundary(mesh, v) ? 0 : mesh.valence(v); };
+  const auto valence = [&](std::size_t v) { return mesh.IsBoundary(v) ? 0 : mesh.valence(v); };
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
     if (v % kScanBlock == 0) LIMN_RETURN_IF_ERROR(context.Check());
     const std::size_t n = valence(v);
@@ -118,7 +114,7 @@ absl::StatusOr<LimitStencil> CatmullClarkStencil(const Context& context, const H
         double least = 1;
         for (Index h = first; h < last; ++h) {
           const Index v = mesh.vertex()[h];
-          if (IsBoundary(mesh, v)) continue;
+          if (mesh.IsBoundary(v)) continue;
           const double n = static_cast<double>(mesh.valence(v));
           least = std::min(least, (n - 1 + 3 * bilinear - cycle) / (n + 5));
         }
@@ -145,7 +141,7 @@ absl::StatusOr<LimitStencil> LoopStencil(const Context& context, const HalfEdgeM
         std::size_t corners = 0;
         for (std::size_t h = 3 * f; h < 3 * f + 3; ++h) {
           const Index v = mesh.vertex()[h];
-          if (!IsBoundary(mesh, v)) own[corners++] = stencil.row(v).vertex;
+          if (!mesh.IsBoundary(v)) own[corners++] = stencil.row(v).vertex;
         }
         return LoopTriangleLow(own, corners);
       },

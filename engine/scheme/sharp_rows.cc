@@ -174,7 +174,7 @@ class RingRow {
 
 bool IsSharp(const SurfaceLevel& level, std::size_t v) {
   const HalfEdgeMesh& mesh = level.mesh;
-  if (mesh.twin()[mesh.vertex_half_edge()[v]] == kNoIndex) return false;
+  if (mesh.IsBoundary(v)) return false;
   if (level.sharpness.vertex[v] > 0) return true;
   for (Index i = mesh.fan_begin()[v]; i < mesh.fan_begin()[v + 1]; ++i) {
     if (level.sharpness.edge[mesh.edge()[mesh.fan()[i]]] > 0) return true;

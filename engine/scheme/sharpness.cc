@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "engine/scheme/sharpness.h"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -64,6 +66,7 @@ Index FindEdge(const HalfEdgeMesh& mesh, Index a, Index b) {
 }
 
 constexpr std::size_t kEntriesPerCheck = std::size_t{1} << 12;
+constexpr std::size_t kStepsPerCheck = std::size_t{1} << 16;
 
 // Fills a Sharpness from what is asked for.
 class SharpnessMaker {
@@ -147,7 +150,7 @@ class SharpnessMaker {
     const Index b = input_.crease_indices[at];
     LIMN_RETURN_IF_ERROR(CheckRange({"crease_indices", at}, b, mesh_.vertex_count()));
     const Index a = input_.crease_indices[at - 1];
-    const Index edge = FindEdge(mesh_, a, b);
+    LIMN_ASSIGN_OR_RETURN(const Index edge, EdgeBetween(a, b));
     if (edge == kNoIndex) {
       return Refuse(Reason::kInvalidOption, {"crease_indices", at},
                     absl::StrCat("no edge joins the vertices ", a, " and ", b),
@@ -157,6 +160,24 @@ class SharpnessMaker {
     LIMN_RETURN_IF_ERROR(CheckSharpness({"crease_sharpnesses", value}, sharpness));
     out_.edge[edge] = sharpness;
     return absl::OkStatus();
+  }
+
+  // A fan is walked once for each pair of vertices at the most where fans are large: each edge is
+  // between few large fans then, so that all walks together are short. Stops are seen by the length
+  // of the walks.
+  absl::StatusOr<Index> EdgeBetween(Index a, Index b) {
+    constexpr std::size_t kLarge = 64;
+    const std::size_t steps = std::min(mesh_.valence(a), mesh_.valence(b));
+    if (steps <= kLarge) return FindEdge(mesh_, a, b);
+    const auto [at, fresh] = found_.try_emplace({std::min(a, b), std::max(a, b)}, kNoIndex);
+    if (!fresh) return at->second;
+    walked_ += steps;
+    if (walked_ >= kStepsPerCheck) {
+      walked_ = 0;
+      LIMN_RETURN_IF_ERROR(context_.Check());
+    }
+    at->second = FindEdge(mesh_, a, b);
+    return at->second;
   }
 
   absl::Status SetCorners() {
@@ -241,6 +262,9 @@ class SharpnessMaker {
   const Context& context_;
   const HalfEdgeMesh& mesh_;
   const CreaseInput& input_;
+  // Edges between large fans.
+  std::map<std::pair<Index, Index>, Index> found_;
+  std::size_t walked_ = 0;
   Sharpness out_;
 };
 

@@ -85,7 +85,8 @@ struct SurfaceLevel {
 // "crease_indices[3]", and its index: INDEX_OUT_OF_RANGE for vertices and faces that are not there,
 // INVALID_OPTION for pairs of vertices that are no edge, sharpnesses that are negative or no
 // numbers, lengths below 2, lists whose sizes do not fit; CANCELLED, DEADLINE_EXCEEDED. Cost: one
-// pass over the input, times the smaller valence of each edge's ends; passes over edges, vertices
+// pass over the input, times the smaller valence of each edge's ends, where that is large once for
+// each edge; passes over edges, vertices
 // and faces of the mesh as far as they are filled. Thread-safe.
 [[nodiscard]] absl::StatusOr<Sharpness> MakeSharpness(const Context& context,
                                                       const HalfEdgeMesh& mesh,

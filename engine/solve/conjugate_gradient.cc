@@ -12,8 +12,10 @@ namespace {
 
 // A start that improves the true residual by less than this is the last one.
 constexpr double kWorthwhile = 0.5;
-// Residuals that have grown by this do not come back.
+// Recursive residuals that have grown by this do not come back.
 constexpr double kGrown = 1e6;
+// Residuals in units of the scale that rounding alone may leave.
+constexpr double kRounding = 1e-13;
 
 // The tridiagonal matrix that conjugate gradients reduce L to, from the factors of their steps.
 class LanczosMatrix {
@@ -72,13 +74,24 @@ absl::StatusOr<KrylovResult> WithTrueResidual(LinearSystem* system, const Krylov
   Buffer<Vec3> residual(system->size());
   LIMN_RETURN_IF_ERROR(system->Residual(x, absl::MakeSpan(residual), &result.residual));
   const double first = result.residual;
-  while (!(result.converged = progress.MetBy(result.residual)) && !progress.spent()) {
+  const double wanted = std::max(options.tolerance, kRounding * options.scale);
+  while (!progress.MetBy(result.residual) && !progress.ForbidsStepOf(1)) {
     const double before = result.residual;
     LIMN_RETURN_IF_ERROR(run(&progress, absl::MakeSpan(residual), &result));
     LIMN_RETURN_IF_ERROR(system->Residual(x, absl::MakeSpan(residual), &result.residual));
-    if (result.broke_down) break;
-    if (!(result.residual <= kGrown * first)) result.broke_down = true;
-    if (!(result.residual <= kWorthwhile * before)) break;
+    if (result.broke_down || result.residual <= kWorthwhile * before) {
+      if (result.broke_down) break;
+      continue;
+    }
+    // No better from here: trouble, unless that is rounding or there were no products left.
+    result.broke_down = result.residual > wanted && !progress.ForbidsStepOf(2);
+    break;
+  }
+  // Never worse than the start.
+  if (!(result.residual <= first)) {
+    result.broke_down = true;
+    LIMN_RETURN_IF_ERROR(system->Reset(x));
+    result.residual = first;
   }
   result.converged = !result.broke_down && progress.MetBy(result.residual);
   result.products = progress.done();
@@ -102,7 +115,7 @@ absl::StatusOr<KrylovResult> ConjugateGradient(LinearSystem* system,
     lanczos.Clear();
     LIMN_RETURN_IF_ERROR(system->Sum(norm, &rho));
     LIMN_RETURN_IF_ERROR(system->ForEach([&](std::size_t i) { direction[i] = r[i]; }));
-    while (rho > 0 && !progress->spent()) {
+    while (rho > 0 && !progress->ForbidsStepOf(1)) {
       double curvature = 0;
       LIMN_RETURN_IF_ERROR(system->Product(direction, absl::MakeSpan(image)));
       LIMN_RETURN_IF_ERROR(system->Sum(
@@ -156,9 +169,10 @@ absl::StatusOr<KrylovResult> BiconjugateGradientStabilized(LinearSystem* system,
       return system->Sum([&](std::size_t i) { return Dot(shadow[i], a[i]); }, sum);
     };
     double rho = 0;
+    const double first = result->residual;
     LIMN_RETURN_IF_ERROR(system->ForEach([&](std::size_t i) { shadow[i] = direction[i] = r[i]; }));
     LIMN_RETURN_IF_ERROR(system->Sum([&](std::size_t i) { return Dot(r[i], r[i]); }, &rho));
-    while (rho != 0 && !progress->spent()) {
+    while (rho != 0 && !progress->ForbidsStepOf(2)) {
       double against = 0;
       LIMN_RETURN_IF_ERROR(system->Product(direction, absl::MakeSpan(image)));
       LIMN_RETURN_IF_ERROR(with_shadow(image, &against));
@@ -191,6 +205,10 @@ absl::StatusOr<KrylovResult> BiconjugateGradientStabilized(LinearSystem* system,
       progress->Count(largest);
       progress->Count(largest);
       if (progress->MetBy(largest)) break;
+      if (!(largest <= kGrown * first)) {
+        result->broke_down = true;
+        return absl::OkStatus();
+      }
       double next = 0;
       LIMN_RETURN_IF_ERROR(system->Sum([&](std::size_t i) { return Dot(shadow[i], r[i]); }, &next));
       const double beta = next / rho * (alpha / omega);

@@ -27,7 +27,8 @@ struct KrylovResult {
   std::uint32_t products = 0;
   // Whether the true residual met the tolerance.
   bool converged = false;
-  // L turned out not to be positive definite, or nothing gets smaller any more.
+  // L turned out not to be positive definite, or residuals stopped falling or grew though products
+  // were left.
   bool broke_down = false;
   // The least eigenvalue of L that the residual gave a hint of (Ritz value; never below the least
   // one but for rounding). 1 where the start is the solution; 0 after a breakdown. 0 from
@@ -37,11 +38,12 @@ struct KrylovResult {
   double residual = 0;
 };
 
-// Solves L x = I from the start x. weights: positive, such that diag(weights) L is symmetric
+// Solves L x = I from x = I. weights: positive, such that diag(weights) L is symmetric
 // (LimitOperator::SymmetricWeights). When the recursive residual meets the tolerance the true one
 // is looked at, and decides; if it does not, the method starts again from there, as long as that
-// helps. Errors: CANCELLED, DEADLINE_EXCEEDED. Cost: a product with L, three sums and as many
-// passes for each step; memory of three points a vertex. Same bits for any number of threads.
+// helps. x is never worse than I itself, which it is set to otherwise. Errors: CANCELLED,
+// DEADLINE_EXCEEDED. Cost: a product with L, three sums and as many passes for each step; memory of
+// three points a vertex. Same bits for any number of threads.
 [[nodiscard]] absl::StatusOr<KrylovResult> ConjugateGradient(LinearSystem* system,
                                                              absl::Span<const double> weights,
                                                              const KrylovOptions& options,

@@ -17,8 +17,7 @@ absl::Status FixKnown(const Context& context, const ControlMeshProblem& problem,
   Buffer<std::uint8_t> fixed(mesh.vertex_count());
   LIMN_RETURN_IF_ERROR(ParallelFor(context, fixed.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
-      const bool boundary = mesh.twin()[mesh.vertex_half_edge()[v]] == kNoIndex;
-      fixed[v] = boundary || !problem.plan.interpolated(v) ? 1 : 0;
+      fixed[v] = mesh.IsBoundary(v) || !problem.plan.interpolated(v) ? 1 : 0;
     }
   }));
   return FixVertices(context, fixed, stencil);

@@ -6,11 +6,11 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <vector>
+#include <cstdint>
+#include <limits>
 
 #include "absl/status/status.h"
 #include "absl/types/span.h"
-#include "engine/base/buffer.h"
 #include "engine/base/context.h"
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
@@ -21,16 +21,18 @@ namespace limn {
 
 class LinearSystem {
  public:
-  // limit: L; points: I, in slots. Both must outlive this.
-  LinearSystem(const Context& context, const LimitOperator& limit, absl::Span<const Vec3> points)
-      : context_(context), limit_(limit), points_(points), values_(limit.face_value_count()) {}
+  // limit: L; points: I, in slots; values: room for limit.face_value_count() face values. All must
+  // outlive this.
+  LinearSystem(const Context& context, const LimitOperator& limit, absl::Span<const Vec3> points,
+               absl::Span<Vec3> values)
+      : context_(context), limit_(limit), points_(points), values_(values) {}
 
   const Context& context() const { return context_; }
   std::size_t size() const { return points_.size(); }
 
   // out = L x.
   [[nodiscard]] absl::Status Product(absl::Span<const Vec3> x, absl::Span<Vec3> out) {
-    LIMN_RETURN_IF_ERROR(limit_.FaceValues(context_, x, absl::MakeSpan(values_)));
+    LIMN_RETURN_IF_ERROR(limit_.FaceValues(context_, x, values_));
     double unused = 0;
     return limit_.VisitLimits(
         context_, x.data(), values_.data(),
@@ -41,17 +43,23 @@ class LinearSystem {
         &unused);
   }
 
-  // residual = I - L x; *largest: its largest coordinate.
+  // residual = I - L x; *largest: its largest coordinate, infinite where one is no number.
   [[nodiscard]] absl::Status Residual(absl::Span<const Vec3> x, absl::Span<Vec3> residual,
                                       double* largest) {
-    LIMN_RETURN_IF_ERROR(limit_.FaceValues(context_, x, absl::MakeSpan(values_)));
+    LIMN_RETURN_IF_ERROR(limit_.FaceValues(context_, x, values_));
     return limit_.VisitLimits(
         context_, x.data(), values_.data(),
         [&](Index slot, const Vec3& limit) {
           residual[slot] = points_[slot] - limit;
-          return MaxAbs(residual[slot]);
+          return IsFinite(residual[slot]) ? MaxAbs(residual[slot])
+                                          : std::numeric_limits<double>::infinity();
         },
         largest);
+  }
+
+  // x = I.
+  [[nodiscard]] absl::Status Reset(absl::Span<Vec3> x) const {
+    return ForEach([&](std::size_t slot) { x[slot] = points_[slot]; });
   }
 
   // f(slot) for every slot.
@@ -62,26 +70,17 @@ class LinearSystem {
     });
   }
 
-  // *sum = sum of f(slot) over all slots, by fixed blocks: same bits for any number of threads.
+  // *sum = sum of f(slot) over all slots; same bits for any number of threads.
   template <class F>
   [[nodiscard]] absl::Status Sum(const F& f, double* sum) const {
-    std::vector<double> part((size() + kScanBlock - 1) / kScanBlock, 0);
-    LIMN_RETURN_IF_ERROR(ParallelBlocks(context_, size(), kScanBlock,
-                                        [&](std::size_t block, std::size_t begin, std::size_t end) {
-                                          double total = 0;
-                                          for (std::size_t i = begin; i < end; ++i) total += f(i);
-                                          part[block] = total;
-                                        }));
-    *sum = 0;
-    for (const double p : part) *sum += p;
-    return absl::OkStatus();
+    return ParallelSum(context_, size(), f, sum);
   }
 
  private:
   const Context& context_;
   const LimitOperator& limit_;
   absl::Span<const Vec3> points_;
-  Buffer<Vec3> values_;
+  absl::Span<Vec3> values_;
 };
 
 // When a Krylov method ends, and what it tells after each product with L.
@@ -91,7 +90,8 @@ class KrylovProgress {
   KrylovProgress(const Context& context, double tolerance, std::uint32_t products, double scale)
       : context_(context), tolerance_(tolerance), products_(products), scale_(scale) {}
 
-  bool spent() const { return done_ >= products_; }
+  // Whether a step of so many products goes beyond the most.
+  bool ForbidsStepOf(std::uint32_t products) const { return done_ + products > products_; }
   bool MetBy(double largest) const { return largest <= tolerance_; }
   std::uint32_t done() const { return done_; }
 

@@ -36,7 +36,7 @@ class Bipartition {
   bool IsSmoothUnknown(std::size_t v) const {
     const HalfEdgeMesh& mesh = level_.mesh;
     if (!plan_.interpolated(v)) return false;
-    if (mesh.twin()[mesh.vertex_half_edge()[v]] == kNoIndex) return false;
+    if (mesh.IsBoundary(v)) return false;
     if (!level_.sharpness.creased()) return true;
     if (level_.sharpness.vertex[v] > 0) return false;
     for (Index i = mesh.fan_begin()[v]; i < mesh.fan_begin()[v + 1]; ++i) {
@@ -85,11 +85,6 @@ class Bipartition {
 absl::StatusOr<bool> CatmullClarkIsSingular(const Context& context, const SurfaceLevel& level,
                                             const VertexPlan& plan) {
   return Bipartition(context, level, plan).FindSingular();
-}
-
-bool IsRegular(const SolveReport& report) {
-  return report.least_eigenvalue >= kLeastRegularEigenvalue ||
-         (report.least_eigenvalue == 0 && report.converged);
 }
 
 }  // namespace limn

@@ -3,19 +3,16 @@
 // is. Its operator is singular where a closed component is 3-regular and bipartite and all its
 // vertices are interpolated (alternating signs are taken to 0: cubes, even prisms), indefinite
 // where vertices inside have valence 2, and nearly singular where almost all valences are 3; exact
-// solutions are wild shapes then. Source: the row's weights, Halstead, Kass and DeRose 1993.
+// solutions are wild shapes then. The first two are told by the mesh, here; the last by the solve
+// (SolveReport::trouble). Source: the row's weights, Halstead, Kass and DeRose 1993.
 #pragma once
 
 #include "absl/status/statusor.h"
 #include "engine/base/context.h"
 #include "engine/constraints/vertex_plan.h"
 #include "engine/scheme/sharpness.h"
-#include "engine/solve/solve.h"
 
 namespace limn {
-
-// Solutions may be this much larger than what they interpolate, and no more.
-inline constexpr double kLeastRegularEigenvalue = 1.0 / 32;
 
 // Whether one of the first two cases above is there, among smooth vertices. level: T^0. Errors:
 // CANCELLED, DEADLINE_EXCEEDED. Cost: one pass over half-edges where every vertex of a component
@@ -23,10 +20,5 @@ inline constexpr double kLeastRegularEigenvalue = 1.0 / 32;
 [[nodiscard]] absl::StatusOr<bool> CatmullClarkIsSingular(const Context& context,
                                                           const SurfaceLevel& level,
                                                           const VertexPlan& plan);
-
-// Whether a solve went as it should: the least eigenvalue is not below kLeastRegularEigenvalue, or
-// nothing is known of it, and the solve converged. Where it is known, running out of sweeps alone
-// is no sign of trouble.
-[[nodiscard]] bool IsRegular(const SolveReport& report);
 
 }  // namespace limn

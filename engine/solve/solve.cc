@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "absl/strings/str_cat.h"
 #include "engine/base/buffer.h"
@@ -98,10 +99,15 @@ class Sweeper {
     LIMN_RETURN_IF_ERROR(limit_.FaceValues(context_, x_, absl::MakeSpan(values_)));
     return limit_.VisitLimits(
         context_, x_.data(), values_.data(),
-        [&](Index slot, const Vec3& limit) { return MaxAbs(points_[slot] - limit); }, largest);
+        [&](Index slot, const Vec3& limit) {
+          const Vec3 residual = points_[slot] - limit;
+          return IsFinite(residual) ? MaxAbs(residual) : std::numeric_limits<double>::infinity();
+        },
+        largest);
   }
 
-  LinearSystem System() const { return {context_, limit_, points_}; }
+  // Shares the room for face values.
+  LinearSystem System() { return {context_, limit_, points_, absl::MakeSpan(values_)}; }
   absl::Span<Vec3> x() { return absl::MakeSpan(x_); }
 
   absl::Status SetX(absl::Span<const Vec3> x) {
@@ -165,7 +171,7 @@ absl::Status Iterate(const Context& context, double scale, const SolveOptions& o
                                     " moves a vertex by ", report->last_update, " diagonals"),
                        {.reason = Reason::kInvalidOption,
                         .field = "solve.method",
-                        .remedy = "Use Chebyshev, which converges on every mesh"});
+                        .remedy = "Use the default, which suits the mesh"});
     }
     context.Report({.stage = "solve",
                     .fraction = static_cast<double>(report->sweeps) / options.max_sweeps,
@@ -197,7 +203,7 @@ namespace {
 
 // Chebyshev's sweeps to a tolerance grow like the root of the condition number; below this bound
 // conjugate gradients, which see the spectrum as it is, are the better choice.
-constexpr double kLeastBound = 1.0 / 32;
+constexpr double kLeastBound = kLeastRegularEigenvalue;
 
 SolveMethod Choose(SolveMethod asked, const LimitOperator& limit) {
   if (asked != SolveMethod::kAutomatic) return asked;
@@ -262,6 +268,8 @@ absl::Status SolveByConjugateGradients(const Context& context, const LimitOperat
   report->converged = result.converged;
   report->last_update = result.residual / scale;
   report->least_eigenvalue = result.least_eigenvalue;
+  report->trouble =
+      result.broke_down || (limit.symmetric() && result.least_eigenvalue < kLeastRegularEigenvalue);
   return absl::OkStatus();
 }
 

@@ -42,6 +42,9 @@ enum class SolveMethod {
   kConjugateGradient,
 };
 
+// Solutions may be as much larger than what they interpolate as the inverse of this, and no more.
+inline constexpr double kLeastRegularEigenvalue = 1.0 / 32;
+
 // Largest max_sweeps.
 inline constexpr std::uint32_t kMaxSweeps = 10'000;
 
@@ -69,9 +72,13 @@ struct SolveReport {
   double last_update = 0;
   // Largest coordinate of |I - L X|, computed anew from X, over the bounding box's diagonal.
   double residual = 0;
-  // The least eigenvalue of L as far as it is known: the bound that is proved of it, or what
-  // conjugate gradients have seen of it. 0: nothing is known, or L is not positive definite.
+  // The least eigenvalue of L as far as it is known: what conjugate gradients have seen of it, or
+  // the bound that is proved. 0: nothing is known, or L is not positive definite.
   double least_eigenvalue = 0;
+  // Conjugate gradients have found the equations singular, indefinite or nearly so: an eigenvalue
+  // below kLeastRegularEigenvalue, or residuals that do not fall. Running out of sweeps is no sign
+  // of it, and a bound that is not proved neither.
+  bool trouble = false;
 };
 
 // What to solve. Everything belongs to the caller and must outlive the call.

@@ -119,6 +119,14 @@ std::vector<FieldCase> InvalidCases() {
        "output.tile_bytes"},
       {"TilesTooLarge", [](Header& h) { h.mutable_output()->set_tile_bytes((1 << 20) + 1); },
        kInvalid, "output.tile_bytes"},
+      {"CreasesOfDooSabin", [](Header& h) { h.mutable_constraints()->add_creases(); }, kInvalid,
+       "constraints.creases"},
+      {"HandlesOfLoop",
+       [](Header& h) {
+         h.set_scheme(v1::SCHEME_LOOP);
+         h.mutable_constraints()->add_shape_handles()->set_value(1);
+       },
+       kInvalid, "constraints.shape_handles"},
       {"DracoWithHoles",
        [](Header& h) {
          h.mutable_output()->set_encoding(v1::MESH_ENCODING_DRACO);
@@ -276,6 +284,7 @@ TEST(JobSpecTest, EveryNameOfTheContractReachesTheEngineAndComesBack) {
   for (const Solve::Rule rule :
        {Solve::RULE_MODIFIED, Solve::RULE_STANDARD, Solve::RULE_BILINEAR_FIRST_STEP}) {
     Header header = ValidHeader();
+    if (rule == Solve::RULE_BILINEAR_FIRST_STEP) header.set_scheme(v1::SCHEME_CATMULL_CLARK);
     header.mutable_solve()->set_rule(rule);
     EXPECT_EQ(RuleToProto(*JobSpecFromProto(header)->engine.rule), rule);
   }
@@ -284,6 +293,7 @@ TEST(JobSpecTest, EveryNameOfTheContractReachesTheEngineAndComesBack) {
         {Surface::BOUNDARY_EDGE_ONLY, BoundaryRule::kEdgeOnly},
         {Surface::BOUNDARY_EDGE_AND_CORNER, BoundaryRule::kEdgeAndCorner}}) {
     Header header = ValidHeader();
+    header.set_scheme(v1::SCHEME_CATMULL_CLARK);
     header.mutable_surface()->set_boundary(name);
     EXPECT_EQ(JobSpecFromProto(header)->engine.boundary, rule);
   }
