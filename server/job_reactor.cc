@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "server/job_reactor.h"
 
-#include <random>
 #include <utility>
 
-#include "absl/strings/str_format.h"
 #include "engine/base/error.h"
 #include "engine/base/guard.h"
 #include "proto/wire/status.h"
@@ -22,11 +20,6 @@ constexpr std::chrono::milliseconds kClockSlack(10);
 
 using Milliseconds = std::chrono::duration<double, std::milli>;
 
-std::string MakeRequestId() {
-  thread_local std::mt19937_64 random{std::random_device{}()};
-  return absl::StrFormat("%016x", random());
-}
-
 }  // namespace
 
 template <class Rpc>
@@ -42,8 +35,9 @@ JobReactor<Rpc>::JobReactor(ServiceCore& core, grpc::CallbackServerContext* cont
     : core_(core),
       context_(context),
       deadline_(DeadlineOf(context->raw_deadline())),
+      caller_(IdentifyCaller(*context, core.tokens.get())),
       watch_(core.limits, Clock::now()),
-      request_id_(MakeRequestId()),
+      request_id_(caller_.request_id),
       phase_start_(Clock::now()) {}
 
 template <class Rpc>
@@ -51,6 +45,10 @@ void JobReactor<Rpc>::Start() {
   const Lock lock(mutex_);
   // First registered, then looked: a drain that begins now either finds it or is seen by it.
   core_.streams.Add(self_);
+  if (!caller_.authorized.ok()) {
+    End(caller_.authorized);
+    return;
+  }
   if (core_.draining.load()) {
     End(MakeError("the server is stopping", {.reason = Reason::kShuttingDown,
                                              .remedy = "Try another server, or again later"}));
@@ -210,7 +208,8 @@ void JobReactor<Rpc>::TryWrite() {
   if (end_.has_value()) {
     finished_ = true;
     watch_.BeginWrite(Clock::now(), false);
-    this->Finish(wire::ToGrpcStatus(*end_));
+    context_->AddTrailingMetadata(kRequestIdKey, request_id_);
+    this->Finish(wire::ToGrpcStatus(*end_, request_id_));
   } else if (!encoded_.empty()) {
     std::unique_ptr<Response> message = std::move(encoded_.front());
     encoded_.pop_front();
@@ -233,6 +232,7 @@ template <class Rpc>
 void JobReactor<Rpc>::Write(std::unique_ptr<Response> message) {
   watch_.BeginWrite(Clock::now(), phase_ == Phase::kDelivering);
   writing_ = std::move(message);
+  if (!std::exchange(named_, true)) context_->AddInitialMetadata(kRequestIdKey, request_id_);
   this->StartWrite(writing_.get());
 }
 
@@ -316,6 +316,10 @@ void JobReactor<Rpc>::LogEnd() {
   const absl::Status status = end_.value_or(absl::UnknownError("ended without a reason"));
   LogLine line("job");
   line.Add("request_id", request_id_).Add("method", Rpc::kName).Add("peer", context_->peer());
+  line.Add("client", caller_.client);
+  if (!caller_.trace.trace_id.empty()) {
+    line.Add("trace_id", caller_.trace.trace_id).Add("parent_id", caller_.trace.parent_id);
+  }
   line.Add("code", absl::StatusCodeToString(status.code()));
   if (const std::optional<ErrorDetail> detail = GetErrorDetail(status)) {
     line.Add("reason", ReasonName(detail->reason));

@@ -17,6 +17,7 @@
 #include "absl/status/status.h"
 #include "engine/base/context.h"
 #include "proto/wire/chunks.h"
+#include "server/caller.h"
 #include "server/client_watch.h"
 #include "server/job_rpcs.h"
 #include "server/service_core.h"
@@ -92,6 +93,7 @@ class JobReactor final
   ServiceCore& core_;
   grpc::CallbackServerContext* const context_;
   const std::optional<Clock::time_point> deadline_;
+  const Caller caller_;
   std::shared_ptr<JobReactor> self_;
   std::mutex mutex_;
   Phase phase_ = Phase::kHeader;
@@ -120,6 +122,7 @@ class JobReactor final
   std::optional<v1::Progress> progress_;
   Clock::time_point last_progress_;
   bool encoding_ = false;
+  bool named_ = false;
   bool all_encoded_ = false;
 
   // End.

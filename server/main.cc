@@ -42,7 +42,20 @@ void AddFlags(CLI::App* app, Flags* flags) {
   app->add_option("--listen", flags->server.listen, "HOST:PORT to listen on; port 0 is a free one")
       ->capture_default_str();
   app->add_flag("--insecure", flags->server.insecure,
-                "Allow --listen on addresses that other machines can reach: nothing is encrypted");
+                "Allow --listen on addresses that other machines can reach without --tls-cert");
+  app->add_option("--tls-cert", flags->server.tls.certificate,
+                  "Certificate chain of the server, PEM; with it, only TLS is spoken. Read again "
+                  "when it changes, as the other files here")
+      ->type_name("FILE");
+  app->add_option("--tls-key", flags->server.tls.key, "Its private key, PEM")->type_name("FILE");
+  app->add_option("--tls-client-ca", flags->server.tls.client_authorities,
+                  "Authorities that clients' certificates must come from, PEM; with it, every "
+                  "client needs one")
+      ->type_name("FILE");
+  app->add_option("--token-file", flags->server.token_file,
+                  "Bearer tokens, one of which every call needs, but for health and reflection: "
+                  "lines of TOKEN or NAME TOKEN")
+      ->type_name("FILE");
   app->add_option("--port-file", flags->port_file,
                   "File that the port is written to once the server serves");
   app->add_option("--threads", flags->server.threads,

@@ -36,8 +36,10 @@ constexpr int kSecond = 1000;
 
 absl::Status CheckOptions(const ServerOptions& options) {
   if (!options.listen.empty()) {
-    LIMN_RETURN_IF_ERROR(CheckListenAddress(options.listen, options.insecure));
+    const bool encrypted = !options.tls.certificate.empty();
+    LIMN_RETURN_IF_ERROR(CheckListenAddress(options.listen, options.insecure || encrypted));
   }
+  LIMN_RETURN_IF_ERROR(CheckTlsFiles(options.tls));
   if (options.threads < 0 || options.threads > kMostThreads) {
     return MakeError(
         absl::StrCat("threads: ", options.threads, " is not in [0, ", kMostThreads, "]"),
@@ -85,7 +87,8 @@ struct Server::Impl {
   Impl(const ServerLimits& limits, int threads, std::shared_ptr<Log> log)
       : core(limits, threads, std::move(log)), service(core) {}
 
-  void WatchStalls();
+  void Watch();
+  void RefreshTokens();
   void SetServing(bool serving);
   void Shutdown(std::chrono::milliseconds patience);
 
@@ -97,18 +100,31 @@ struct Server::Impl {
   std::mutex mutex;
   std::condition_variable stopping;
   bool stopped = false;
-  std::thread stall_watch;
+  std::thread watch;
   std::once_flag shutdown_once;
   bool idle = false;
 };
 
-void Server::Impl::WatchStalls() {
+// Four times a second.
+void Server::Impl::Watch() {
   std::unique_lock lock(mutex);
   while (!stopping.wait_for(lock, kStallCheckInterval, [this] { return stopped; })) {
     lock.unlock();
     const Clock::time_point now = Clock::now();
     core.streams.ForEach([now](OpenStream& stream) { stream.CheckStall(now); });
+    RefreshTokens();
     lock.lock();
+  }
+}
+
+void Server::Impl::RefreshTokens() {
+  if (core.tokens == nullptr) return;
+  const absl::StatusOr<bool> changed = core.tokens->Refresh();
+  if (!changed.ok()) {
+    core.log->Error(
+        LogLine("tokens_not_read").Add("message", std::string(changed.status().message())));
+  } else if (*changed) {
+    core.log->Info(LogLine("tokens_read"));
   }
 }
 
@@ -138,7 +154,7 @@ void Server::Impl::Shutdown(std::chrono::milliseconds patience) {
     stopped = true;
   }
   stopping.notify_all();
-  stall_watch.join();
+  watch.join();
   idle = core.StopUntil(Clock::now() + kLastWork);
 }
 
@@ -148,13 +164,20 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
   auto impl = std::make_unique<Impl>(options.limits, threads,
                                      options.log != nullptr ? options.log : Log::Null());
 
+  if (!options.token_file.empty()) {
+    LIMN_ASSIGN_OR_RETURN(impl->core.tokens, Tokens::Load(options.token_file));
+  }
+
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
   builder.RegisterService(&impl->service);
   SetChannelArguments(options.limits, &builder);
   if (!options.listen.empty()) {
-    builder.AddListeningPort(options.listen, grpc::InsecureServerCredentials(), &impl->port);
+    builder.AddListeningPort(options.listen,
+                             options.tls.certificate.empty() ? grpc::InsecureServerCredentials()
+                                                             : MakeTlsCredentials(options.tls),
+                             &impl->port);
   }
   impl->grpc_server = builder.BuildAndStart();
   if (impl->grpc_server == nullptr || (!options.listen.empty() && impl->port == 0)) {
@@ -164,7 +187,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
                       .remedy = "Is the port taken? Port 0 picks a free one"});
   }
   impl->SetServing(true);
-  impl->stall_watch = std::thread([raw = impl.get()] { raw->WatchStalls(); });
+  impl->watch = std::thread([raw = impl.get()] { raw->Watch(); });
   return std::unique_ptr<Server>(new Server(std::move(impl)));
 }
 

@@ -9,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "server/limits.h"
 #include "server/log.h"
+#include "server/tls.h"
 
 namespace grpc {
 class Channel;
@@ -19,8 +20,13 @@ namespace limn {
 struct ServerOptions {
   // HOST:PORT to listen on, port 0 for a free one; empty for in-process channels only.
   std::string listen;
-  // Allow addresses that other machines can reach, though nothing is encrypted.
+  // Allow addresses that other machines can reach though nothing is encrypted.
   bool insecure = false;
+  // With a certificate, what is listened on speaks TLS only.
+  TlsFiles tls;
+  // File of bearer tokens, one of which every call of LimnService needs; see Tokens. It is read
+  // again when it changes. Empty: calls need none. Health and reflection are open to everybody.
+  std::string token_file;
   // Threads that jobs are computed on, 0 to 1,024; 0 is CpuLimit().
   int threads = 0;
   ServerLimits limits;

@@ -12,6 +12,7 @@
 #include "server/limits.h"
 #include "server/log.h"
 #include "server/stream_registry.h"
+#include "server/tokens.h"
 #include "server/worker_threads.h"
 
 namespace limn {
@@ -47,6 +48,8 @@ struct ServiceCore {
   const std::shared_ptr<Log> log;
   // Set: new jobs are refused.
   std::atomic<bool> draining{false};
+  // Null: calls need none. Set before the first call.
+  std::unique_ptr<Tokens> tokens;
   StreamRegistry streams;
   // Make the messages of answers, one task per stream at a time, each a tile or a chunk at the
   // most: short tasks, so that no answer waits long behind another. Not the lane's threads: a
