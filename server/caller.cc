@@ -79,8 +79,9 @@ Caller IdentifyCaller(const grpc::CallbackServerContext& context, const Tokens* 
   const std::string_view request_id = OnlyValue(context, kRequestIdKey).value_or("");
   caller.request_id = IsRequestId(request_id) ? std::string(request_id) : MakeRequestId();
   caller.trace = ParseTraceParent(OnlyValue(context, "traceparent").value_or(""));
+  caller.peer = context.peer();
   caller.client = CertificateName(context);
-  if (caller.client.empty()) caller.client = HostOf(context.peer());
+  if (caller.client.empty()) caller.client = HostOf(caller.peer);
   if (tokens == nullptr) return caller;
   const std::optional<std::string_view> authorization = OnlyValue(context, "authorization");
   const std::optional<std::string> name =

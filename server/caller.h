@@ -37,6 +37,8 @@ struct TraceParent {
 struct Caller {
   std::string request_id;
   TraceParent trace;
+  // Where it calls from, as gRPC says it, such as "ipv4:127.0.0.1:5000".
+  std::string peer;
   // Who it is, for fair shares and logs: the name of its token, else its certificate's, else the
   // host that it calls from.
   std::string client;

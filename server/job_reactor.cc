@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
 #include "engine/base/guard.h"
 #include "proto/wire/status.h"
@@ -19,6 +20,13 @@ constexpr std::chrono::milliseconds kProgressInterval(100);
 constexpr std::chrono::milliseconds kClockSlack(10);
 
 using Milliseconds = std::chrono::duration<double, std::milli>;
+using Seconds = std::chrono::duration<double>;
+
+// Whether the message is one of the job's own, not one about it.
+template <class Response>
+bool IsAnswer(const Response& message) {
+  return !message.has_accepted() && !message.has_progress();
+}
 
 }  // namespace
 
@@ -38,7 +46,8 @@ JobReactor<Rpc>::JobReactor(ServiceCore& core, grpc::CallbackServerContext* cont
       caller_(IdentifyCaller(*context, core.tokens.get())),
       watch_(core.limits, Clock::now()),
       request_id_(caller_.request_id),
-      phase_start_(Clock::now()) {}
+      start_(Clock::now()),
+      phase_start_(start_) {}
 
 template <class Rpc>
 void JobReactor<Rpc>::Start() {
@@ -91,7 +100,9 @@ void JobReactor<Rpc>::RunJob() {
       return;
     }
     phase_ = Phase::kRunning;
-    job_->AddStage("queue", Milliseconds(Clock::now() - phase_start_).count());
+    const Milliseconds waited = Clock::now() - phase_start_;
+    job_->AddStage("queue", waited.count());
+    core_.metrics.ObserveQueueWait(ticket_.lane->name(), waited.count() / 1000);
   }
   const absl::Status status =
       Guarded("running the job", Reason::kInternal, [&] { return Compute(); });
@@ -101,7 +112,10 @@ void JobReactor<Rpc>::RunJob() {
   phase_ = Phase::kDelivering;
   watch_.Touch(Clock::now());
   progress_.reset();
-  if (end_.has_value()) return;
+  if (end_.has_value()) {
+    core_.metrics.ObserveCancelToStop(Seconds(Clock::now() - ended_at_).count());
+    return;
+  }
   if (status.ok()) {
     PumpEncoder();
   } else {
@@ -116,9 +130,17 @@ absl::Status JobReactor<Rpc>::Compute() {
   Admission::Reservation* const memory = &ticket_.memory;
   std::string encoded = upload_->TakeBytes();
   LIMN_ASSIGN_OR_RETURN(const std::uint64_t decoding, EstimateDecodeBytes(spec_, encoded));
-  LIMN_RETURN_IF_ERROR(core_.admission.Grow(decoding, memory));
-  LIMN_RETURN_IF_ERROR(job_->Decode(std::move(encoded)));
-  LIMN_RETURN_IF_ERROR(core_.admission.Grow(EstimateJobBytes(job_->spec()), memory));
+  const auto grow = [&](std::uint64_t bytes) {
+    absl::Status status = core_.admission.Grow(bytes, memory);
+    core_.metrics.CountAdmissionReject(status);
+    return status;
+  };
+  LIMN_RETURN_IF_ERROR(grow(decoding));
+  if (absl::Status status = job_->Decode(std::move(encoded)); !status.ok()) {
+    core_.metrics.CountDecodeReject(status);
+    return status;
+  }
+  LIMN_RETURN_IF_ERROR(grow(EstimateJobBytes(job_->spec())));
   {
     const Lock lock(mutex_);
     spec_.mesh = job_->spec().mesh;
@@ -174,7 +196,7 @@ void JobReactor<Rpc>::PumpEncoder() {
   if (phase_ != Phase::kDelivering || encoding_ || all_encoded_ || end_.has_value()) return;
   if (encoded_.size() >= kMostEncoded || !FeedJob()) return;
   encoding_ = true;
-  core_.delivery.Post([self = this->shared_from_this()] { self->EncodeNext(); });
+  delivery().Post([self = this->shared_from_this()] { self->EncodeNext(); });
 }
 
 template <class Rpc>
@@ -187,12 +209,16 @@ void JobReactor<Rpc>::EncodeNext() {
 
   const Lock lock(mutex_);
   encoding_ = false;
-  if (end_.has_value()) return;
+  if (end_.has_value()) {
+    core_.metrics.ObserveCancelToStop(Seconds(Clock::now() - ended_at_).count());
+    return;
+  }
   if (!more.ok()) {
     End(more.status());
     return;
   }
   if (*more) {
+    core_.metrics.AddInflight(static_cast<std::int64_t>(message->ByteSizeLong()));
     encoded_.push_back(std::move(message));
   } else {
     all_encoded_ = true;
@@ -232,6 +258,12 @@ template <class Rpc>
 void JobReactor<Rpc>::Write(std::unique_ptr<Response> message) {
   watch_.BeginWrite(Clock::now(), phase_ == Phase::kDelivering);
   writing_ = std::move(message);
+  write_start_ = Clock::now();
+  if constexpr (requires { writing_->has_tile(); }) {
+    if (writing_->has_tile() && !std::exchange(tile_seen_, true)) {
+      core_.metrics.ObserveFirstTile(Seconds(write_start_ - start_).count());
+    }
+  }
   if (!std::exchange(named_, true)) context_->AddInitialMetadata(kRequestIdKey, request_id_);
   this->StartWrite(writing_.get());
 }
@@ -239,7 +271,12 @@ void JobReactor<Rpc>::Write(std::unique_ptr<Response> message) {
 template <class Rpc>
 void JobReactor<Rpc>::OnWriteDone(bool ok) {
   const Lock lock(mutex_);
-  watch_.EndWrite(Clock::now(), writing_->ByteSizeLong());
+  const Clock::time_point now = Clock::now();
+  watch_.EndWrite(now, writing_->ByteSizeLong());
+  core_.metrics.AddStall(Seconds(now - write_start_).count());
+  if (IsAnswer(*writing_)) {
+    core_.metrics.AddInflight(-static_cast<std::int64_t>(writing_->ByteSizeLong()));
+  }
   writing_.reset();
   if (!ok) End(CancelledStatus());
   TryWrite();
@@ -271,12 +308,21 @@ template <class Rpc>
 void JobReactor<Rpc>::End(const absl::Status& status) {
   if (end_.has_value()) return;
   end_ = status;
+  ended_at_ = Clock::now();
   stop_.Cancel();
+  for (const auto& message : encoded_) {
+    if (!IsAnswer(*message)) continue;
+    core_.metrics.AddInflight(-static_cast<std::int64_t>(message->ByteSizeLong()));
+  }
   encoded_.clear();
   progress_.reset();
   input_.reset();
   ticket_.upload.Release();
-  if (phase_ != Phase::kRunning) ticket_.place.Release();
+  if (phase_ == Phase::kRunning) {
+    ticket_.place.StopRequested(ended_at_);
+  } else {
+    ticket_.place.Release();
+  }
   TryWrite();
   if (read_paused_) ReadMore();
 }
@@ -290,13 +336,36 @@ void JobReactor<Rpc>::CheckStall(Clock::time_point now) {
   const bool upload = phase_ == Phase::kUpload && !end_.has_value();
   const bool header = phase_ == Phase::kHeader && !end_.has_value();
   const bool writing = writing_ != nullptr || finished_;
-  const absl::Status status = watch_.Check(now, {.for_reader = writing && !upload,
-                                                 .for_message = header || upload || WaitsForInput(),
-                                                 .for_upload = upload});
+  absl::Status status = watch_.Check(now, {.for_reader = writing && !upload,
+                                           .for_message = header || upload || WaitsForInput(),
+                                           .for_upload = upload});
+  if (status.ok() && !end_.has_value()) status = CheckTimes(now);
   if (status.ok()) return;
   End(status);
   // An orderly end would not get through to a reader that takes nothing.
   if (writing) context_->TryCancel();
+}
+
+// What the server's own limits say of the time that the call takes.
+template <class Rpc>
+absl::Status JobReactor<Rpc>::CheckTimes(Clock::time_point now) const {
+  const std::uint64_t stream = core_.limits.stream_seconds;
+  if (stream > 0 && now - start_ >= std::chrono::seconds(stream)) {
+    return MakeError(absl::StrCat("the call has taken ", stream, " seconds (limit stream-seconds)"),
+                     {.reason = Reason::kLimitExceeded, .limit = "stream-seconds"});
+  }
+  const std::uint64_t queue = core_.limits.queue_seconds;
+  if (phase_ == Phase::kQueued && now - phase_start_ >= std::chrono::seconds(queue)) {
+    absl::Status status = MakeError(absl::StrCat("the server is busy: the job has waited for ",
+                                                 queue, " seconds (limit queue-seconds)"),
+                                    {.reason = Reason::kLimitExceeded,
+                                     .remedy = "Try again a little later",
+                                     .limit = "queue-seconds",
+                                     .retryable = true});
+    core_.metrics.CountAdmissionReject(status);
+    return status;
+  }
+  return absl::OkStatus();
 }
 
 template <class Rpc>
@@ -308,17 +377,35 @@ void JobReactor<Rpc>::OnDone() {
   }
   core_.streams.Remove(this);
   // Giving back a large result takes long, so another thread does it.
-  core_.delivery.Post([self = std::move(self_)] {});
+  delivery().Post([self = std::move(self_)] {});
+}
+
+template <class Rpc>
+WorkerThreads& JobReactor<Rpc>::delivery() {
+  return (ticket_.lane != nullptr ? *ticket_.lane : core_.lanes.batch).delivery();
+}
+
+template <class Rpc>
+void JobReactor<Rpc>::CountEnd(const absl::Status& status) {
+  core_.metrics.CountRequest(Rpc::kName, status);
+  if (!status.ok()) return;
+  for (const StageTime& stage : job_->stages()) {
+    core_.metrics.ObserveStage(stage.stage, stage.milliseconds / 1000);
+  }
 }
 
 template <class Rpc>
 void JobReactor<Rpc>::LogEnd() {
   const absl::Status status = end_.value_or(absl::UnknownError("ended without a reason"));
+  CountEnd(status);
   LogLine line("job");
-  line.Add("request_id", request_id_).Add("method", Rpc::kName).Add("peer", context_->peer());
+  line.Add("request_id", request_id_).Add("method", Rpc::kName).Add("peer", caller_.peer);
   line.Add("client", caller_.client);
   if (!caller_.trace.trace_id.empty()) {
     line.Add("trace_id", caller_.trace.trace_id).Add("parent_id", caller_.trace.parent_id);
+  }
+  if (ticket_.lane != nullptr) {
+    line.Add("lane", ticket_.lane->name()).Add("estimated_ms", ticket_.request.milliseconds);
   }
   line.Add("code", absl::StatusCodeToString(status.code()));
   if (const std::optional<ErrorDetail> detail = GetErrorDetail(status)) {

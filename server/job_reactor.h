@@ -88,7 +88,10 @@ class JobReactor final
   void WriteProgress();
   void End(const absl::Status& status);
   [[nodiscard]] absl::Status CancelledStatus() const;
+  void CountEnd(const absl::Status& status);
   void LogEnd();
+  [[nodiscard]] absl::Status CheckTimes(Clock::time_point now) const;
+  WorkerThreads& delivery();
 
   ServiceCore& core_;
   grpc::CallbackServerContext* const context_;
@@ -104,6 +107,7 @@ class JobReactor final
   std::string request_id_;
   JobSpec spec_;
   std::optional<wire::ChunkAssembler> upload_;
+  const Clock::time_point start_;
   Clock::time_point phase_start_;
 
   // Input after the upload.
@@ -123,10 +127,13 @@ class JobReactor final
   Clock::time_point last_progress_;
   bool encoding_ = false;
   bool named_ = false;
+  bool tile_seen_ = false;
+  Clock::time_point write_start_;
   bool all_encoded_ = false;
 
   // End.
   std::optional<absl::Status> end_;
+  Clock::time_point ended_at_;
   bool finished_ = false;
   bool done_ = false;
 };

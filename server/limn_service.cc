@@ -30,10 +30,11 @@ absl::Status NotBuilt(const std::string& rpc) {
 }
 
 // What a call without a stream of its own answers: that it is not authorized, or `answer`.
-grpc::Status Answer(ServiceCore& core, grpc::CallbackServerContext* context,
+grpc::Status Answer(ServiceCore& core, grpc::CallbackServerContext* context, const char* rpc,
                     const absl::Status& answer) {
   const Caller caller = IdentifyCaller(*context, core.tokens.get());
   context->AddTrailingMetadata(kRequestIdKey, caller.request_id);
+  core.metrics.CountRequest(rpc, caller.authorized.ok() ? answer : caller.authorized);
   return wire::ToGrpcStatus(caller.authorized.ok() ? answer : caller.authorized, caller.request_id);
 }
 
@@ -47,7 +48,7 @@ grpc::ServerBidiReactor<v1::InterpolateRequest, v1::InterpolateResponse>* LimnSe
 grpc::ServerUnaryReactor* LimnService::GetServerInfo(grpc::CallbackServerContext* context,
                                                      const v1::GetServerInfoRequest* /*request*/,
                                                      v1::GetServerInfoResponse* response) {
-  const grpc::Status status = Answer(core_, context, absl::OkStatus());
+  const grpc::Status status = Answer(core_, context, "GetServerInfo", absl::OkStatus());
   if (status.ok()) *response = MakeServerInfo(core_.limits, core_.threads);
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   reactor->Finish(status);
@@ -57,7 +58,7 @@ grpc::ServerUnaryReactor* LimnService::GetServerInfo(grpc::CallbackServerContext
 grpc::ServerBidiReactor<v1::BatchRequest, v1::BatchResponse>* LimnService::Batch(
     grpc::CallbackServerContext* context) {
   return new RefusingReactor<v1::BatchRequest, v1::BatchResponse>(
-      Answer(core_, context, NotBuilt("Batch")));
+      Answer(core_, context, "Batch", NotBuilt("Batch")));
 }
 
 grpc::ServerBidiReactor<v1::EvaluateRequest, v1::EvaluateResponse>* LimnService::Evaluate(
@@ -68,13 +69,13 @@ grpc::ServerBidiReactor<v1::EvaluateRequest, v1::EvaluateResponse>* LimnService:
 grpc::ServerBidiReactor<v1::FilterRequest, v1::FilterResponse>* LimnService::Filter(
     grpc::CallbackServerContext* context) {
   return new RefusingReactor<v1::FilterRequest, v1::FilterResponse>(
-      Answer(core_, context, NotBuilt("Filter")));
+      Answer(core_, context, "Filter", NotBuilt("Filter")));
 }
 
 grpc::ServerBidiReactor<v1::EditRequest, v1::EditResponse>* LimnService::Edit(
     grpc::CallbackServerContext* context) {
   return new RefusingReactor<v1::EditRequest, v1::EditResponse>(
-      Answer(core_, context, NotBuilt("Edit")));
+      Answer(core_, context, "Edit", NotBuilt("Edit")));
 }
 
 }  // namespace limn

@@ -12,7 +12,7 @@ namespace limn {
 
 absl::Status CheckListenAddress(const std::string& address, bool anywhere,
                                 const std::string& flag) {
-  const auto invalid = [&](std::string_view message, std::string_view remedy) {
+  const auto invalid = [&](const std::string& message, std::string_view remedy) {
     return MakeError(
         absl::StrCat("\"", absl::Utf8SafeCHexEscape(address), "\" ", message),
         {.reason = Reason::kInvalidOption, .field = flag, .remedy = std::string(remedy)});
