@@ -82,7 +82,8 @@ void SetChannelArguments(const ServerLimits& limits, grpc::ServerBuilder* builde
   builder->AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS,
                               Milliseconds(limits.connection_idle_seconds));
   // For who connects and says nothing.
-  builder->AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 20 * kSecond);
+  builder->AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS,
+                              std::min(20 * kSecond, Milliseconds(limits.stall_seconds)));
   // Probing grows the windows to megabytes per stream, which nobody has admitted; a fixed window
   // bounds what slow readers and fast writers cost.
   builder->AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
