@@ -288,6 +288,8 @@ v1::SolveOptions::Rule RuleToProto(FirstRule rule) {
       return v1::SolveOptions::RULE_STANDARD;
     case FirstRule::kBilinear:
       return v1::SolveOptions::RULE_BILINEAR_FIRST_STEP;
+    case FirstRule::kFeatures:
+      return v1::SolveOptions::RULE_FEATURE_VALUES;
   }
   return v1::SolveOptions::RULE_UNSPECIFIED;
 }
