@@ -221,13 +221,14 @@ double SurfacePeak(const Counts& n, const InterpolateOptions& options) {
   if (!features.has_value()) return DooSabinPeak(n, options);
   if (!features->has_planes()) return FeatureBytes(n) + DooSabinPeak(n, options);
   // Cut at most along every edge; the given mesh is there too, and refined for the tessellation.
+  // The corners of plane faces are kept with their normals, 32 bytes each.
   const Counts cut = {.vertices = n.half_edges,
                       .edges = n.half_edges,
                       .faces = n.faces,
                       .half_edges = n.half_edges,
                       .boundary = n.half_edges};
-  return FeatureBytes(cut) + BuildPeak(cut) + Bytes(n.half_edges, sizeof(Index) + sizeof(Vec3)) +
-         DooSabinPeak(cut, options) + DooSabinPeak(n, options);
+  return FeatureBytes(cut) + BuildPeak(cut) + Bytes(n.half_edges, 32) + DooSabinPeak(cut, options) +
+         DooSabinPeak(n, options);
 }
 
 }  // namespace

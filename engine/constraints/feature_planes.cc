@@ -83,7 +83,7 @@ class Flattener {
     const auto v = static_cast<std::size_t>(first - failed.begin());
     return Refuse(v,
                   absl::StrCat("the plane faces around vertex ", v,
-                               " are not planar, and their planes do not meet near it"),
+                               " are far from planar, or their planes do not meet near it"),
                   "Make some of them surface faces, or make them planar");
   }
 

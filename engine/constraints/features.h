@@ -96,6 +96,8 @@ class FeatureSurface {
   // What Make made: its mesh is T^0, cut along plane faces.
   const DooSabinSurface& surface() const { return surface_; }
   bool cut() const { return given_.has_value(); }
+  // Whether a face was a plane one in the last Make.
+  bool IsPlane(Index face) const { return !plane_.empty() && plane_[face] != 0; }
   // Times that the mesh was cut or put together again.
   std::uint32_t cuts() const { return cuts_; }
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
@@ -20,7 +21,7 @@ namespace limn {
 namespace {
 
 // Points and normals of T^k on the cut mesh as those of T^k on the given one. Normals at cuts are
-// the mean of the sides'.
+// the mean of the sides', and zero where these are opposite.
 class Joiner {
  public:
   // given, cut: T^(k - 1), or T^0 for k = 0.
@@ -50,6 +51,11 @@ class Joiner {
   }
 
  private:
+  // Of a sum of unit vectors; none where they are opposite.
+  static Vec3 Direction(const Vec3& sum) {
+    return Dot(sum, sum) > 1e-20 ? NormalizedOrZero(sum) : Vec3{0, 0, 0};
+  }
+
   void Copy(std::size_t from, std::size_t to) {
     to_.positions[to] = from_.positions[from];
     if (!to_.normals.empty()) to_.normals[to] = from_.normals[from];
@@ -67,7 +73,7 @@ class Joiner {
       part = cut_.vertex()[h];
       if (cut_.vertex_half_edge()[part] == h) sum += from_.normals[part];
     });
-    to_.normals[v] = NormalizedOrZero(sum);
+    to_.normals[v] = Direction(sum);
   }
 
   void JoinEdge(std::size_t e) {
@@ -78,7 +84,7 @@ class Joiner {
     Copy(side, to);
     if (to_.normals.empty() || twin == kNoIndex || cut_.twin()[h] != kNoIndex) return;
     const std::size_t other = cut_.vertex_count() + cut_.edge()[twin];
-    to_.normals[to] = NormalizedOrZero(from_.normals[side] + from_.normals[other]);
+    to_.normals[to] = Direction(from_.normals[side] + from_.normals[other]);
   }
 
   const HalfEdgeMesh& given_;
@@ -115,8 +121,8 @@ class FeatureJob : public DooSabinJob {
     }));
     given_ = std::move(*feature_).TakeGiven();
     patches_ = std::move(*feature_).TakeSurface();
+    if (given_.has_value() && frame_.options.normals) FindPlaneNormals();
     feature_.reset();
-    if (given_.has_value()) FindPlaneNormals();
     KeepPatches();
     return absl::OkStatus();
   }
@@ -150,17 +156,18 @@ class FeatureJob : public DooSabinJob {
     Vec3 normal;
   };
 
-  // Faces whose edges are all cut: plane ones, and others, which the same does no harm.
   void FindPlaneNormals() {
     const HalfEdgeMesh& cut = patches_->mesh;
     const BoundaryCurve& curve = patches_->boundary;
-    for (std::size_t f = 0; f < cut.face_count(); ++f) {
+    std::size_t corners = 0;
+    for (Index f = 0; f < cut.face_count(); ++f) {
+      if (feature_->IsPlane(f)) corners += cut.face_begin()[f + 1] - cut.face_begin()[f];
+    }
+    plane_corners_.reserve(corners);
+    for (Index f = 0; f < cut.face_count(); ++f) {
+      if (!feature_->IsPlane(f)) continue;
       const Index first = cut.face_begin()[f];
       const std::size_t m = cut.face_begin()[f + 1] - first;
-      const auto is_cut = [&](std::size_t i) { return cut.twin()[first + i] == kNoIndex; };
-      std::size_t i = 0;
-      while (i < m && is_cut(i)) ++i;
-      if (i < m || !frame_.options.normals) continue;
       const auto point = [&](std::size_t j) {
         return curve.centre[curve.Find(first + static_cast<Index>(j))] - curve.origin;
       };
@@ -173,12 +180,11 @@ class FeatureJob : public DooSabinJob {
     }
   }
 
-  // Where a plane region's parameters meet at a straight angle, it has its normal all the same.
+  // Also where a plane region's parameters meet at a straight angle, which shows none.
   void SetPlaneNormals(Tessellation* surface) const {
     if (surface->normals.empty()) return;
     for (const PlaneCorner& corner : plane_corners_) {
-      Vec3& normal = surface->normals[corner.vertex];
-      if (normal == Vec3{0, 0, 0}) normal = corner.normal;
+      surface->normals[corner.vertex] = corner.normal;
     }
   }
 
