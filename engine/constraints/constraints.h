@@ -48,8 +48,8 @@ struct CornerConstraint {
 
 struct Constraints {
   // Vertices to interpolate, each at most once, in any order. Absent: all of them, or none with
-  // feature values. The others keep their given points as control points and only shape the surface.
-  // A corner of the boundary (a vertex of one face) is always met.
+  // feature values. The others keep their given points as control points and only shape the
+  // surface. A corner of the boundary (a vertex of one face) is always met.
   std::optional<std::vector<Index>> interpolate;
   // At most one per vertex, at interpolated vertices only.
   std::vector<NormalConstraint> normals;
@@ -72,8 +72,8 @@ struct Constraints {
 // vertices, for normals that are zero or not finite or at vertices that are not interpolated, for
 // handles that are not finite and positive; CANCELLED, DEADLINE_EXCEEDED. Cost: linear in the
 // constraints, and one bit a vertex. Creases, corners and holes are checked when their sharpness is
-// made, see engine/constraints/creases.h, feature values when they are looked up, see MakeFeatureTable.
-// Thread-safe.
+// made, see engine/constraints/creases.h, feature values when they are looked up, see
+// MakeFeatureTable. Thread-safe.
 [[nodiscard]] absl::Status ValidateConstraints(const Context& context,
                                                const Constraints& constraints,
                                                std::size_t vertex_count);

@@ -60,6 +60,8 @@ struct FeatureValues {
 
   // Whether a face may be plane.
   bool has_planes() const;
+  // Whether there is more than defaults.
+  bool names_elements() const { return !(faces.empty() && edges.empty() && vertices.empty()); }
 };
 
 // Feature values by corner of a mesh: h is the half-edge that leaves the corner's vertex in its
