@@ -120,6 +120,7 @@ TEST(ClientTest, ADeadlineEndsTheJob) {
 TEST(ClientTest, ADestroyedJobIsCancelledOnTheServer) {
   ServerOptions options{.threads = 2};
   options.limits.workers = 1;
+  options.limits.interactive_milliseconds = 0;
   options.limits.queue_length = 0;
   const std::unique_ptr<Server> server = StartServer(options);
   const Client client(server->InProcessChannel());
