@@ -63,12 +63,13 @@ std::vector<double> SmallJobTimes(const Subject& subject, int count) {
   return seconds;
 }
 
-// Large jobs whose work is the server's: nothing is sent back but the summary.
+// Large jobs whose work is the server's, not the client's and not the transport's, which share the
+// processors: many sweeps over a mesh that is soon sent, and nothing back but the summary.
 v1::InterpolateHeader LargeHeader() {
   v1::InterpolateHeader header = MakeHeader(0);
   header.clear_output();
   header.mutable_solve()->set_tolerance(0);
-  header.mutable_solve()->set_max_sweeps(60);
+  header.mutable_solve()->set_max_sweeps(600);
   return header;
 }
 
@@ -79,7 +80,7 @@ struct Mix {
 };
 
 Mix RunMix(const Subject& subject, double seconds) {
-  const PolygonMesh mesh = MakeSphere(200'000);
+  const PolygonMesh mesh = MakeSphere(60'000);
   std::vector<std::unique_ptr<Runner>> runners;
   for (int i = 0; i < 4; ++i) {
     runners.push_back(std::make_unique<Runner>(subject, LargeHeader(), mesh));
@@ -124,11 +125,13 @@ TEST(LoadTest, SmallJobsBesideLargeOnesTakeAtMostThreeTimesAsLongAsAlone) {
   Report("beside large jobs in one lane", one_lane.small_seconds);
   std::cout << "large jobs a second: " << two_lanes.large_jobs_per_second << ", in one lane "
             << one_lane.large_jobs_per_second << "\n";
-  // On processors that other programs use too, single jobs are late for reasons of their own, and a
-  // few seconds count a few large jobs only.
-  const double part = Full() ? 0.99 : 0.5;
-  EXPECT_LT(Quantile(two_lanes.small_seconds, part), 3 * Quantile(alone, part));
-  EXPECT_GT(two_lanes.large_jobs_per_second, (Full() ? 0.9 : 0.5) * one_lane.large_jobs_per_second);
+  // What one lane is without the other.
+  EXPECT_LT(5 * Quantile(two_lanes.small_seconds, 0.5), Quantile(one_lane.small_seconds, 0.5));
+  // The promise itself, where the processors are this test's alone and there are jobs enough to
+  // count.
+  if (!Full()) return;
+  EXPECT_LT(Quantile(two_lanes.small_seconds, 0.99), 3 * Quantile(alone, 0.99));
+  EXPECT_GT(two_lanes.large_jobs_per_second, 0.9 * one_lane.large_jobs_per_second);
 }
 
 TEST(LoadTest, ThousandsOfCancelledJobsLeaveAServerThatWorks) {
@@ -159,6 +162,32 @@ TEST(LoadTest, ThousandsOfCancelledJobsLeaveAServerThatWorks) {
   for (std::thread& thread : threads) thread.join();
   EXPECT_TRUE(subject.WaitUntilIdle()) << subject.Metrics();
   EXPECT_TRUE(subject.SmallJob().ok());
+}
+
+TEST(LoadTest, MemoryComesBackAfterALargeJob) {
+  const Subject subject;
+  ASSERT_TRUE(subject.SmallJob().ok());
+  const double before = subject.Metric("process_resident_memory_bytes");
+  double most = 0;
+  {
+    std::atomic<bool> done = false;
+    std::thread watch([&] {
+      while (!done) most = std::max(most, subject.Metric("process_resident_memory_bytes"));
+    });
+    RawCall call(subject.Connect(), std::chrono::minutes(5));
+    EXPECT_TRUE(call.Write(MakeUpload(MakeHeader(2), MakeSphere(Full() ? 1'000'000 : 100'000))));
+    EXPECT_TRUE(call.Finish().ok()) << call.Finish();
+    done = true;
+    watch.join();
+  }
+  EXPECT_GT(most, before + 100e6);
+  double after = 0;
+  EXPECT_TRUE(e2e::WaitUntil(20, [&] {
+    after = subject.Metric("process_resident_memory_bytes");
+    return after < before + 64e6;
+  })) << after;
+  std::cout << "resident MiB: " << before / (1 << 20) << " before, " << most / (1 << 20)
+            << " at the most, " << after / (1 << 20) << " after\n";
 }
 
 // Least squares, per second.
