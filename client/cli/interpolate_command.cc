@@ -18,6 +18,7 @@
 #include "client/cli/outputs.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/report.h"
+#include "client/cli/solve_warning.h"
 #include "client/cli/staged_files.h"
 #include "client/io/mesh_reader.h"
 #include "engine/base/error.h"
@@ -85,6 +86,7 @@ ExitStatus Run(const InterpolateFlags& flags) {
       return FailWithFile(absl::ErrnoToStatus(errno, "cannot write to standard output"));
     }
   }
+  WarnAboutSolve(result->summary.solve(), flags.job);
   status = files.Commit();
   return status.ok() ? ExitStatus::kOk : FailWithFile(status);
 }

@@ -12,6 +12,7 @@
 #include <CLI/Validators.hpp>
 
 #include "absl/strings/str_cat.h"
+#include "client/cli/job_checks.h"
 #include "engine/base/context.h"
 #include "engine/solve/solve.h"
 #include "limn/v1/mesh.pb.h"
@@ -125,6 +126,10 @@ void AddSolveFlags(CLI::App& app, JobOptions* options) {
       ->type_name("N");
   app.add_flag("--fair", options->fair,
                "Cure overshoot where edge lengths differ, when that lowers the bending energy");
+  app.parse_complete_callback([options] {
+    const absl::Status status = CheckTogether(*options);
+    if (!status.ok()) throw CLI::ValidationError(std::string(status.message()));
+  });
 }
 
 void AddTessellationFlags(CLI::App& app, JobOptions* options) {
