@@ -12,8 +12,8 @@ namespace limn::cli {
 void AddConstraintsFlag(CLI::App& app, std::string* path) {
   app.add_option("--constraints", *path,
                  "What the surface meets, as JSON of limn.v1.Constraints: which vertices to "
-                 "interpolate [all], and for doo-sabin normals and shapeHandles, for catmull-clark "
-                 "and loop creases, corners and holes")
+                 "interpolate [all], and for doo-sabin normals, shapeHandles and features, for "
+                 "catmull-clark and loop creases, corners and holes")
       ->type_name("FILE.json");
 }
 
@@ -26,6 +26,13 @@ absl::StatusOr<v1::Constraints> ParseConstraints(const std::string& json, const 
 absl::StatusOr<v1::Constraints> ReadConstraintsFile(const std::string& path) {
   LIMN_ASSIGN_OR_RETURN(const std::string text, ReadTextFile(path));
   return ParseConstraints(text, path);
+}
+
+absl::StatusOr<v1::FeatureValues> ReadFeaturesFile(const std::string& path) {
+  LIMN_ASSIGN_OR_RETURN(const std::string text, ReadTextFile(path));
+  v1::FeatureValues features;
+  LIMN_RETURN_IF_ERROR(ParseMessage(text, {.path = path, .field = "features"}, &features));
+  return features;
 }
 
 absl::Status NameConstraintsFile(const absl::Status& status, const std::string& path) {

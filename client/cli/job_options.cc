@@ -94,6 +94,13 @@ std::string CheckDistance(const std::string& text) {
   return {};
 }
 
+void CheckAtTheEnd(CLI::App& app, const JobOptions* options) {
+  app.parse_complete_callback([options] {
+    const absl::Status status = CheckTogether(*options);
+    if (!status.ok()) throw CLI::ValidationError(std::string(status.message()));
+  });
+}
+
 }  // namespace
 
 void AddSolveFlags(CLI::App& app, JobOptions* options) {
@@ -126,10 +133,7 @@ void AddSolveFlags(CLI::App& app, JobOptions* options) {
       ->type_name("N");
   app.add_flag("--fair", options->fair,
                "Cure overshoot where edge lengths differ, when that lowers the bending energy");
-  app.parse_complete_callback([options] {
-    const absl::Status status = CheckTogether(*options);
-    if (!status.ok()) throw CLI::ValidationError(std::string(status.message()));
-  });
+  CheckAtTheEnd(app, options);
 }
 
 void AddTessellationFlags(CLI::App& app, JobOptions* options) {
@@ -160,6 +164,7 @@ void AddTessellationFlags(CLI::App& app, JobOptions* options) {
                "Mend a mesh that would be refused, and say what was changed: degenerate, repeated "
                "and turned faces, edges of more than two faces, vertices of several fans or of no "
                "face");
+  CheckAtTheEnd(app, options);
 }
 
 v1::InterpolateHeader MakeJobHeader(const JobOptions& options, const WantedOutputs& wanted) {

@@ -19,8 +19,10 @@ namespace limn::cli {
 namespace {
 
 constexpr const char* kFooter =
-    "Exit status: 0 well, perhaps with a warning; 1 the input was refused, or a file cannot be read\n"
-    "or written; 2 the command line makes no sense; 3 the server; 130 interrupted. After a failure no\n"
+    "Exit status: 0 well, perhaps with a warning; 1 the input was refused, or a file cannot be "
+    "read\n"
+    "or written; 2 the command line makes no sense; 3 the server; 130 interrupted. After a failure "
+    "no\n"
     "output file is left that was not there before.";
 
 // The help that was asked for goes to stdout; a mistake is named on stderr.
@@ -44,6 +46,7 @@ ExitStatus Main(int argc, char** argv) {
   app.footer(kFooter);
   ExitStatus status = ExitStatus::kOk;
   AddInterpolateCommand(app, &status);
+  AddFeaturesCommand(app, &status);
   AddEvaluateCommand(app, &status);
   AddGenerateCommand(app, &status);
   AddInfoCommand(app, &status);

@@ -8,6 +8,8 @@
 namespace limn::cli {
 
 std::string SolveWarning(const v1::SolveReport& solve, const JobOptions& options) {
+  // Feature values shape without a solve.
+  if (solve.rule() == v1::SolveOptions::RULE_FEATURE_VALUES) return {};
   if (solve.converged() || options.tolerance == 0.0) return {};
   return absl::StrFormat(
       "warning: the tolerance was not met in %u %s, the residual is %.1e of the bounding box; "

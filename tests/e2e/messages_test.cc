@@ -53,7 +53,7 @@ TEST_P(MessageE2e, IsThisOne) {
 }
 
 std::vector<Mistake> Mistakes() {
-  const std::string commands = "interpolate, evaluate, generate, info";
+  const std::string commands = "interpolate, evaluate, features, generate, info";
   const std::string in = "@/in.obj";
   const std::string see = "; see 'limn interpolate --help'";
   const std::string otherwise =
@@ -125,6 +125,11 @@ std::vector<Mistake> Mistakes() {
        "--quantization-bits: they belong to --encoding draco-quantized. Leave them out or choose "
        "that" +
            see},
+      {"BitsOfNothingInFeatures",
+       {"features", in, "--features", "@/hole.json", "--quantization-bits", "12"},
+       2,
+       "--quantization-bits: they belong to --encoding draco-quantized. Leave them out or choose "
+       "that; see 'limn features --help'"},
       {"DracoWithoutItsBoundary",
        {"interpolate", in, "--scheme", "catmull-clark", "--boundary", "none", "--encoding", "draco",
         "-o", "@/s.obj"},
@@ -277,7 +282,7 @@ TEST_F(WarningE2e, HelpTellsTheLeastVerticesOfEachKindAndEveryConstraint) {
   const RunResult generate = space_.Limn({"generate", "--help"});
   EXPECT_NE(generate.output.find("torus from 9"), std::string::npos) << generate.output;
   const RunResult interpolate = space_.Limn({"interpolate", "--help"});
-  for (const char* word : {"normals", "shapeHandles", "creases", "corners", "holes"}) {
+  for (const char* word : {"normals", "shapeHandles", "features", "creases", "corners", "holes"}) {
     EXPECT_NE(interpolate.output.find(word), std::string::npos) << word;
   }
 }
