@@ -187,7 +187,8 @@ std::vector<std::string> ConstraintSeeds() {
   handle.set_value(0.5);
   headers[2].set_scheme(v1::SCHEME_CATMULL_CLARK);
   v1::Crease& crease = *headers[2].mutable_constraints()->add_creases();
-  for (const std::uint32_t v : {0U, 1U, 2U}) crease.add_vertices(v);
+  const PolygonMesh mesh = Meshes()[2];
+  for (const Index v : mesh.face(0).subspan(0, 3)) crease.add_vertices(v);
   crease.add_sharpness(10);
   headers[2].mutable_constraints()->add_holes(1);
   v1::FeatureValues& features = *headers[3].mutable_constraints()->mutable_features();
