@@ -97,7 +97,7 @@ INSTANTIATE_TEST_SUITE_P(Stages, StageTest,
                          testing::Values(Stage{"Upload", "send", "2"}, Stage{"Queue", "send", "2"},
                                          Stage{"Solve", "solve", "2"},
                                          Stage{"Compute", "limit", "4"},
-                                         Stage{"Answer", "receive", "4"}),
+                                         Stage{"Answer", "collect", "4"}),
                          [](const auto& test) { return test.param.name; });
 
 TEST(FaultsTest, AStoppedReaderCostsLittleMemoryAndIsEnded) {
