@@ -25,6 +25,7 @@ class DooSabinJob : public SchemeJob {
         rule_(frame->options.rule.value_or(FirstRule::kModified)) {}
 
   absl::Status Start(HalfEdgeMesh mesh) override {
+    LIMN_RETURN_IF_ERROR(ValidateDooSabinNormals(context_, frame_.options.constraints, mesh));
     LIMN_ASSIGN_OR_RETURN(BoundaryCurve boundary, FindBoundary(context_, mesh));
     boundary.origin = frame_.origin;
     patches_.emplace(
