@@ -197,8 +197,13 @@ std::vector<BadFile> BadFiles() {
        "constraints.shape_handles[0].value: inf is not"},
       {"CreasesOfDooSabin", R"({"creases": [{"vertices": [1, 2], "sharpness": [1]}]})",
        "constraints.creases: creases belong to Catmull-Clark and Loop surfaces"},
-      {"NotBuilt", R"({"features": {}})",
-       "constraints.features: feature values are not implemented yet", 3},
+      {"NotBuilt", R"({"surfacePoints": [{}]})",
+       "constraints.surface_points: constraints at points of the surface are not implemented yet",
+       3},
+      {"FeatureFace", R"({"features": {"faces": [{"face": 9999}]}})",
+       "constraints.features.faces[0].face: there is no face 9999"},
+      {"FeatureValue", R"({"features": {"defaultEdge": 1.5}})",
+       "constraints.features.default_edge: 1.5 is not a number from 0 to 1"},
   };
 }
 

@@ -134,6 +134,33 @@ std::vector<FieldCase> InvalidCases() {
          h.mutable_constraints()->add_holes(0);
        },
        kInvalid, "output.encoding"},
+      {"RuleOfAnswers",
+       [](Header& h) { h.mutable_solve()->set_rule(v1::SolveOptions::RULE_FEATURE_VALUES); },
+       kInvalid, "solve.rule"},
+      {"FeaturesWithRule",
+       [](Header& h) {
+         h.mutable_solve()->set_rule(v1::SolveOptions::RULE_MODIFIED);
+         h.mutable_constraints()->mutable_features();
+       },
+       kInvalid, "solve.rule"},
+      {"FeaturesWithFairing",
+       [](Header& h) {
+         h.mutable_solve()->set_fair(true);
+         h.mutable_constraints()->mutable_features();
+       },
+       kInvalid, "solve.fair"},
+      {"FeaturesOfOthers",
+       [](Header& h) {
+         h.set_scheme(v1::SCHEME_CATMULL_CLARK);
+         h.mutable_constraints()->mutable_features();
+       },
+       kInvalid, "constraints.features"},
+      {"FeaturesOfFacesWithRepair",
+       [](Header& h) {
+         h.mutable_output()->set_repair(true);
+         h.mutable_constraints()->mutable_features()->add_faces();
+       },
+       kInvalid, "output.repair"},
       {"DracoWithoutConnectivity",
        [](Header& h) {
          h.mutable_output()->set_encoding(v1::MESH_ENCODING_DRACO);
@@ -151,8 +178,6 @@ std::vector<FieldCase> UnbuiltCases() {
   return {
       {"SurfacePoints", constraint([](auto* c) { c->add_surface_points(); }), kNot,
        "constraints.surface_points"},
-      {"Features", constraint([](auto* c) { c->mutable_features(); }), kNot,
-       "constraints.features"},
   };
 }
 
@@ -256,13 +281,13 @@ TEST(JobSpecTest, ErrorsOfTheHeaderReachTheClientWithTheirField) {
   const std::unique_ptr<Server> server = StartServer();
   RawCall call(server->InProcessChannel());
   Header header = MakeHeader(1);
-  header.mutable_constraints()->mutable_features();
+  header.mutable_constraints()->add_surface_points();
   call.Write(MakeUpload(header, MakeSphere(64)));
   call.WritesDone();
   EXPECT_EQ(call.Finish().code(), absl::StatusCode::kUnimplemented);
   const v1::ErrorDetails info = ErrorInfoOf(call.rich_status());
   EXPECT_EQ(info.reason(), "UNIMPLEMENTED");
-  EXPECT_EQ(info.metadata().at("field"), "constraints.features");
+  EXPECT_EQ(info.metadata().at("field"), "constraints.surface_points");
 }
 
 TEST(JobSpecTest, EveryNameOfTheContractReachesTheEngineAndComesBack) {
