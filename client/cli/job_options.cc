@@ -12,6 +12,7 @@
 #include <CLI/Validators.hpp>
 
 #include "absl/strings/str_cat.h"
+#include "client/cli/job_checks.h"
 #include "engine/base/context.h"
 #include "engine/solve/solve.h"
 #include "limn/v1/mesh.pb.h"
@@ -93,6 +94,13 @@ std::string CheckDistance(const std::string& text) {
   return {};
 }
 
+void CheckAtTheEnd(CLI::App& app, const JobOptions* options) {
+  app.parse_complete_callback([options] {
+    const absl::Status status = CheckTogether(*options);
+    if (!status.ok()) throw CLI::ValidationError(std::string(status.message()));
+  });
+}
+
 }  // namespace
 
 void AddSolveFlags(CLI::App& app, JobOptions* options) {
@@ -125,6 +133,7 @@ void AddSolveFlags(CLI::App& app, JobOptions* options) {
       ->type_name("N");
   app.add_flag("--fair", options->fair,
                "Cure overshoot where edge lengths differ, when that lowers the bending energy");
+  CheckAtTheEnd(app, options);
 }
 
 void AddTessellationFlags(CLI::App& app, JobOptions* options) {
@@ -155,6 +164,7 @@ void AddTessellationFlags(CLI::App& app, JobOptions* options) {
                "Mend a mesh that would be refused, and say what was changed: degenerate, repeated "
                "and turned faces, edges of more than two faces, vertices of several fans or of no "
                "face");
+  CheckAtTheEnd(app, options);
 }
 
 v1::InterpolateHeader MakeJobHeader(const JobOptions& options, const WantedOutputs& wanted) {
