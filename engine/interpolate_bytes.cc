@@ -154,6 +154,11 @@ double FairBytes(const Counts& n) {
 // The same of Catmull-Clark and Loop: T^k with its points, and T^(k+1); then the limits.
 double PrimalSurfacePeak(Counts n, const InterpolateOptions& options) {
   const bool loop = options.scheme == Scheme::kLoop;
+  const Counts patch = loop ? n : n.Split();
+  const double patches = options.keep_patches ? (loop ? BuiltMesh(n) : SplitMesh(patch)) +
+                                                    Points(patch.vertices) +
+                                                    SharpnessBytes(patch) + Indices(n.faces + 1)
+                                              : 0;
   double level = BuiltMesh(n) + Points(n.vertices) + SharpnessBytes(n);
   double peak = level + Points(n.faces);
   for (std::uint32_t k = 0; k < LevelOf(options) && peak < kMost; ++k) {
@@ -167,7 +172,8 @@ double PrimalSurfacePeak(Counts n, const InterpolateOptions& options) {
       LevelOf(options) == 0
           ? SplitMesh(n.Split()) + 2 * Points(n.Split().vertices) + SharpnessBytes(n.Split())
           : 0;
-  return std::max(peak, level + extra + Points(n.vertices) * (options.normals ? 2 : 1) +
+  return patches +
+         std::max(peak, level + extra + Points(n.vertices) * (options.normals ? 2 : 1) +
                             Indices(n.half_edges) + Indices(n.faces + 1));
 }
 
