@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "server/constraints_from_proto.h"
 
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -18,8 +19,6 @@ absl::Status CheckBuilt(const v1::Constraints& constraints) {
     absl::string_view feature;
   };
   const Kind kinds[] = {
-      {constraints.surface_points_size() > 0, "constraints.surface_points",
-       "constraints at points of the surface are"},
       {constraints.has_features(), "constraints.features", "feature values are"},
   };
   for (const Kind& kind : kinds) {
@@ -67,6 +66,29 @@ absl::Status ReadNormals(const v1::Constraints& constraints, std::vector<NormalC
   return absl::OkStatus();
 }
 
+std::optional<Vec3> ReadVector(bool given, const v1::Vector3& v) {
+  if (!given) return std::nullopt;
+  return Vec3{v.x(), v.y(), v.z()};
+}
+
+void ReadSurfacePoints(const v1::Constraints& constraints, Constraints* out) {
+  out->surface_points.reserve(static_cast<std::size_t>(constraints.surface_points_size()));
+  for (const v1::SurfaceConstraint& given : constraints.surface_points()) {
+    SurfaceConstraint& entry = out->surface_points.emplace_back();
+    if (given.has_vertex()) entry.vertex = given.vertex();
+    if (given.has_parameter()) {
+      const v1::FaceParameter& place = given.parameter();
+      entry.parameter = {
+          .face = place.face(), .corner = place.corner(), .u = place.u(), .v = place.v()};
+    }
+    entry.point = ReadVector(given.has_point(), given.point());
+    entry.normal = ReadVector(given.has_normal(), given.normal());
+    entry.derivative_u = ReadVector(given.has_derivative_u(), given.derivative_u());
+    entry.derivative_v = ReadVector(given.has_derivative_v(), given.derivative_v());
+    entry.region.assign(given.region().begin(), given.region().end());
+  }
+}
+
 void ReadSharp(const v1::Constraints& constraints, Constraints* out) {
   out->creases.reserve(static_cast<std::size_t>(constraints.creases_size()));
   for (const v1::Crease& crease : constraints.creases()) {
@@ -98,6 +120,7 @@ absl::StatusOr<Constraints> ConstraintsFromProto(const v1::Constraints& constrai
   for (const v1::ShapeHandle& handle : constraints.shape_handles()) {
     out.shape_handles.push_back({.vertex = handle.vertex(), .value = handle.value()});
   }
+  ReadSurfacePoints(constraints, &out);
   ReadSharp(constraints, &out);
   return out;
 }
@@ -109,7 +132,11 @@ std::uint64_t ConstraintBytes(const Constraints& constraints) {
   for (const CreaseConstraint& crease : constraints.creases) {
     creases += crease.vertices.size() * sizeof(Index) + crease.sharpness.size() * sizeof(float);
   }
-  return subset * sizeof(Index) + constraints.normals.size() * sizeof(NormalConstraint) +
+  std::uint64_t points = constraints.surface_points.size() * sizeof(SurfaceConstraint);
+  for (const SurfaceConstraint& entry : constraints.surface_points) {
+    points += entry.region.size() * sizeof(Index);
+  }
+  return points + subset * sizeof(Index) + constraints.normals.size() * sizeof(NormalConstraint) +
          constraints.shape_handles.size() * sizeof(ShapeHandle) + creases +
          constraints.corners.size() * sizeof(CornerConstraint) +
          constraints.holes.size() * sizeof(Index);

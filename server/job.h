@@ -65,6 +65,7 @@ class Job {
   enum class Part { kRepair, kControlHeader, kControlChunks, kTiles, kSummary, kNone };
 
   [[nodiscard]] absl::Status RepairMesh();
+  [[nodiscard]] absl::Status FilterMesh();
   [[nodiscard]] absl::Status Fill(v1::InterpolateResponse* message);
   [[nodiscard]] absl::Status EncodeControlMesh();
   Part PartAfterRepair() const;
@@ -92,6 +93,7 @@ class Job {
   double bilinear_share_ = 0;
   std::optional<double> chord_bound_;
   std::optional<FairnessReport> fairness_;
+  std::optional<BlendReport> blend_;
   Tessellation surface_;
   std::optional<LimitSurface> patches_;
   std::optional<CertificateBuilder> certificate_;

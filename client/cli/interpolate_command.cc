@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `limn interpolate`: a mesh file in, its limit surface and control mesh out.
+// `limn interpolate` and `limn filter`: a mesh file in, a limit surface and its control mesh out.
 #include <cerrno>
 #include <cstdio>
 #include <memory>
@@ -89,34 +89,53 @@ ExitStatus Run(const InterpolateFlags& flags) {
   return status.ok() ? ExitStatus::kOk : FailWithFile(status);
 }
 
+// The input, and everything after what is done to it.
+void AddFileFlags(CLI::App& command, InterpolateFlags* flags) {
+  command.add_option("IN", flags->input, "Mesh, open or closed: .obj, .off, .ply or .stl")
+      ->required();
+  command
+      .add_option("-o,--output", flags->outputs.surfaces,
+                  "The tessellated surface: .obj, .off, .ply, .stl or .glb; may be given again "
+                  "for further formats")
+      ->type_name("OUT")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command
+      .add_option("--control-mesh", flags->outputs.control_mesh,
+                  "The control mesh, with the input's faces in their order")
+      ->type_name("FILE");
+  command
+      .add_option("--report", flags->outputs.report,
+                  "The summary (limn.v1.Summary) as JSON: sizes, sweeps, errors, times")
+      ->type_name("FILE.json");
+  AddConstraintsFlag(command, &flags->constraints);
+}
+
+void AddRunFlags(CLI::App& command, InterpolateFlags* flags) {
+  AddTessellationFlags(command, &flags->job);
+  AddConnectionFlags(command, &flags->connection);
+  command.add_flag("-q,--quiet", flags->quiet, "No table and no progress bar");
+}
+
 }  // namespace
 
 void AddInterpolateCommand(CLI::App& app, ExitStatus* status) {
   CLI::App* command = app.add_subcommand(
       "interpolate", "Find the smooth surface that passes through the vertices of a mesh");
   const auto flags = std::make_shared<InterpolateFlags>();
-  command->add_option("IN", flags->input, "Mesh, open or closed: .obj, .off, .ply or .stl")
-      ->required();
-  command
-      ->add_option("-o,--output", flags->outputs.surfaces,
-                   "The tessellated surface: .obj, .off, .ply, .stl or .glb; may be given again "
-                   "for further formats")
-      ->type_name("OUT")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command
-      ->add_option("--control-mesh", flags->outputs.control_mesh,
-                   "The control mesh, with the input's faces in their order")
-      ->type_name("FILE");
-  command
-      ->add_option("--report", flags->outputs.report,
-                   "The summary (limn.v1.Summary) as JSON: sizes, sweeps, errors, times")
-      ->type_name("FILE.json");
-  AddConstraintsFlag(*command, &flags->constraints);
+  AddFileFlags(*command, flags.get());
   AddSolveFlags(*command, &flags->job);
-  AddTessellationFlags(*command, &flags->job);
-  AddConnectionFlags(*command, &flags->connection);
-  command->add_flag("-q,--quiet", flags->quiet, "No table and no progress bar");
+  AddRunFlags(*command, flags.get());
+  command->callback([flags, status] { *status = Run(*flags); });
+}
+
+void AddFilterCommand(CLI::App& app, ExitStatus* status) {
+  CLI::App* command = app.add_subcommand(
+      "filter", "Smooth, sharpen or filter a mesh by the terms of the interpolation series");
+  const auto flags = std::make_shared<InterpolateFlags>();
+  AddFileFlags(*command, flags.get());
+  AddFilterFlags(*command, &flags->job);
+  AddRunFlags(*command, flags.get());
   command->callback([flags, status] { *status = Run(*flags); });
 }
 

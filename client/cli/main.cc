@@ -43,6 +43,7 @@ ExitStatus Main(int argc, char** argv) {
   app.footer(kFooter);
   ExitStatus status = ExitStatus::kOk;
   AddInterpolateCommand(app, &status);
+  AddFilterCommand(app, &status);
   AddEvaluateCommand(app, &status);
   AddGenerateCommand(app, &status);
   AddInfoCommand(app, &status);

@@ -2,6 +2,7 @@
 #include "engine/constraints/blend.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <string>
 #include <string_view>
@@ -149,13 +150,23 @@ class Blender {
 
   absl::Status FindRegions() {
     regions_.resize(targets_.size());
-    const auto find = [this](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
+    std::atomic<std::uint64_t> points = 0;
+    const auto find = [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end && points <= input_.most_points; ++i) {
         regions_[i] = targets_[i].region.empty() ? ChooseRegion(places_, i)
                                                  : GivenRegion(places_, i, targets_[i].region);
+        points += regions_[i].vertices.size();
       }
     };
     LIMN_RETURN_IF_ERROR(ParallelFor(context_, targets_.size(), kTargetsPerChunk, find));
+    if (points > input_.most_points) {
+      return MakeError(absl::StrCat("constraints on the surface would move more than ",
+                                    input_.most_points, " control points"),
+                       {.reason = Reason::kLimitExceeded,
+                        .field = "constraints",
+                        .remedy = "Ask for fewer near vertices of many faces, or give smaller "
+                                  "regions"});
+    }
     for (std::size_t i = 0; i < targets_.size(); ++i) {
       if (!regions_[i].vertices.empty()) continue;
       return Refuse(targets_[i], ".region", "it is too small",
@@ -261,6 +272,9 @@ class Blender {
   // they are averaged.
   absl::Status MoveEach() {
     std::vector<std::tuple<Index, std::uint32_t, double>> moves;
+    std::size_t count = 0;
+    for (const BlendRegion& region : regions_) count += region.vertices.size();
+    moves.reserve(count);
     for (std::size_t i = 0; i < regions_.size(); ++i) {
       if (i % kTargetsPerChunk == 0) LIMN_RETURN_IF_ERROR(context_.Check());
       for (std::size_t j = 0; j < regions_[i].vertices.size(); ++j) {
@@ -359,6 +373,27 @@ class Blender {
 };
 
 }  // namespace
+
+std::uint64_t MostBlendPoints(std::uint64_t vertices, std::uint64_t half_edges,
+                              const Constraints& constraints) {
+  // Rings below r of a vertex of valence n have n r (r - 1) + 1 points.
+  constexpr double kSixRings = 31;
+  constexpr double kThreeRings = 7;
+  const double valence =
+      std::max(6.0, static_cast<double>(half_edges) /
+                        static_cast<double>(std::max<std::uint64_t>(1, vertices)));
+  const double at_vertex = constraints.interpolate.has_value() ? kSixRings : kThreeRings;
+  double rings = at_vertex * static_cast<double>(constraints.normals.size());
+  double given = 0;
+  for (const SurfaceConstraint& constraint : constraints.surface_points) {
+    if (constraint.region.empty()) {
+      rings += kSixRings;
+    } else {
+      given += 4 * static_cast<double>(constraint.region.size());
+    }
+  }
+  return static_cast<std::uint64_t>(valence * rings + given + 8 * static_cast<double>(half_edges));
+}
 
 absl::StatusOr<BlendReport> Blend(const Context& context, const BlendInput& input,
                                   PrimalSurface* surface) {

@@ -16,6 +16,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -44,7 +45,15 @@ struct BlendInput {
   absl::Span<const std::uint8_t> stays;
   // Diagonal of the model's bounding box.
   double scale = 1;
+  // Control points in all regions together; see MostBlendPoints.
+  std::uint64_t most_points = std::numeric_limits<std::uint64_t>::max();
 };
+
+// Control points that regions may have in all: room for six rings around each constraint at the
+// mesh's mean valence, three at vertices where all are interpolated, and for some vertices of
+// larger valence. Cost: constant.
+[[nodiscard]] std::uint64_t MostBlendPoints(std::uint64_t vertices, std::uint64_t half_edges,
+                                            const Constraints& constraints);
 
 // surface: of depth 1 (quads) or 2 (triangles), so that its points are those of T^2.
 //
@@ -55,7 +64,8 @@ struct BlendInput {
 //
 // Errors: INVALID_OPTION with the path of the constraint: tangents are asked for where the surface
 // has no tangent plane; the region is too small; constraints contradict each other (both are
-// named). LIMIT_EXCEEDED when more than 256 places would have to be met together. CANCELLED,
+// named). LIMIT_EXCEEDED when more than 256 places would have to be met together, and when
+// regions have more than most_points. CANCELLED,
 // DEADLINE_EXCEEDED. After an error the surface's points are anything.
 //
 // Cost: some hundred control points for each constraint; for k that are met together k^2 times

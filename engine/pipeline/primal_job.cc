@@ -52,6 +52,13 @@ class PrimalJob : public SchemeJob {
     return absl::OkStatus();
   }
 
+  absl::Status LimitPoints(absl::Span<const Vec3> control, absl::Span<Vec3> limits) override {
+    const SurfaceLevel level = {*mesh_, sharpness_};
+    const VertexLimits out = {.points = limits, .tangents = {}, .normals = {}};
+    return kind_ == RingKind::kQuads ? CatmullClarkLimits(context_, level, control, out)
+                                     : LoopLimits(context_, level, control, out);
+  }
+
   absl::Status FindControlMesh() override {
     const ControlMeshProblem problem = frame_.Problem(*mesh_);
     LIMN_ASSIGN_OR_RETURN(const BoundaryCurve curve, FindBoundary(context_, *mesh_));
@@ -132,6 +139,8 @@ class PrimalJob : public SchemeJob {
   }
 
   absl::Status BlendTargetsIn() {
+    const std::uint64_t most_points = MostBlendPoints(
+        mesh_->vertex_count(), mesh_->half_edge_count(), frame_.options.constraints);
     Buffer<std::uint8_t> stays;
     LIMN_RETURN_IF_ERROR(FindStaying(&stays));
     // Where the first step is not the scheme's own, limits are known from T^1 on.
@@ -150,7 +159,8 @@ class PrimalJob : public SchemeJob {
                              .sharpness = std::move(sharpness_),
                              .points = std::move(points_)};
     Describe(&surface);
-    const BlendInput input = {.targets = targets_, .stays = stays, .scale = frame_.scale};
+    const BlendInput input = {
+        .targets = targets_, .stays = stays, .scale = frame_.scale, .most_points = most_points};
     absl::StatusOr<BlendReport> report = Blend(context_, input, &surface);
     mesh_ = std::move(surface.mesh);
     sharpness_ = std::move(surface.sharpness);

@@ -18,6 +18,8 @@
 #include "engine/constraints/blend_map.h"
 #include "engine/interpolate.h"
 #include "engine/limit/certificate.h"
+#include "engine/refine/quad_split.h"
+#include "engine/refine/triangle_split.h"
 #include "tests/oracle/creased_level.h"
 #include "tests/oracle/deep_surface.h"
 #include "tests/oracle/expect.h"
@@ -275,6 +277,96 @@ TEST_P(BlendTest, ContradictionsAreRefusedByName) {
       << status;
 }
 
+// A region given by the faces of T^2 within so many rings of a vertex.
+std::vector<Index> FacesAround(const HalfEdgeMesh& mesh, Index vertex, int rings) {
+  std::vector<bool> reached(mesh.vertex_count(), false);
+  reached[vertex] = true;
+  std::vector<Index> faces;
+  const std::size_t arity = mesh.arity();
+  for (int ring = 0; ring < rings; ++ring) {
+    std::vector<bool> next = reached;
+    faces.clear();
+    for (Index f = 0; f < mesh.face_count(); ++f) {
+      bool touches = false;
+      for (std::size_t i = 0; i < arity; ++i) touches |= reached[mesh.vertex()[arity * f + i]];
+      if (!touches) continue;
+      faces.push_back(f);
+      for (std::size_t i = 0; i < arity; ++i) next[mesh.vertex()[arity * f + i]] = true;
+    }
+    reached = next;
+  }
+  return faces;
+}
+
+TEST_P(BlendTest, OnlyTheGivenRegionChanges) {
+  const InterpolateResult plain = RunOrDie(Options(2));
+  const PrimalSurface& surface = std::get<PrimalSurface>(*plain.patches);
+  // T^1 for quads, T^0 for triangles.
+  HalfEdgeMesh fine = surface.mesh;
+  for (int k = Loop() ? 0 : 1; k < 2; ++k) {
+    LIMN_ASSERT_OK_AND_ASSIGN(
+        fine, Loop() ? SplitIntoTriangles(Context(), fine) : SplitIntoQuads(Context(), fine));
+  }
+  InterpolateOptions options = Options(2);
+  SurfaceConstraint& wish = options.constraints.surface_points.emplace_back();
+  wish.vertex = 2;
+  wish.normal = plain.surface.normals[2] + Vec3{0.2, -0.1, 0.1};
+  for (const int rings : {3, 4, 7}) {
+    wish.region = FacesAround(fine, 2, rings);
+    const absl::StatusOr<InterpolateResult> result = Run(options);
+    ASSERT_TRUE(result.ok()) << result.status();
+    EXPECT_LE(AngleBetweenLines(result->surface.normals[2], *wish.normal), kMet);
+    ExpectVerticesStay(*result);
+    std::vector<bool> inside(fine.vertex_count(), false);
+    for (const Index f : wish.region) {
+      for (std::size_t i = 0; i < fine.arity(); ++i) {
+        inside[fine.vertex()[fine.arity() * f + i]] = true;
+      }
+    }
+    for (std::size_t v = 0; v < inside.size(); ++v) {
+      if (inside[v]) continue;
+      ASSERT_EQ(result->surface.positions[v], plain.surface.positions[v]);
+      ASSERT_EQ(result->surface.normals[v], plain.surface.normals[v]);
+    }
+  }
+  wish.region = FacesAround(fine, 2, 2);
+  // Everything is within two rings of it in a mesh so small.
+  if (wish.region.size() == fine.face_count()) return;
+  ExpectError(Run(options).status(),
+              {Reason::kInvalidOption, "constraints.surface_points[0].region", 0});
+}
+
+TEST_P(BlendTest, WhatIsSharpStaysMet) {
+  InterpolateOptions options = Options(1);
+  options.constraints.creases = {
+      {{mesh_.corner_vertex[0], mesh_.corner_vertex[1]}, {2.5F}},
+      {{mesh_.corner_vertex[1], mesh_.corner_vertex[2]}, {kSharpForever}}};
+  const InterpolateResult plain = RunOrDie(options);
+  for (const Index v : {mesh_.corner_vertex[1], mesh_.corner_vertex[2], Index{0}}) {
+    if (plain.surface.normals[v] == Vec3{0, 0, 0}) continue;
+    const NormalConstraint wish = {v, plain.surface.normals[v] + RandomVector(random_, 0.2)};
+    options.constraints.normals = {wish};
+    const absl::StatusOr<InterpolateResult> result = Run(options);
+    ASSERT_TRUE(result.ok()) << result.status();
+    EXPECT_LE(AngleBetweenLines(result->surface.normals[v], wish.normal), kMet);
+    ExpectVerticesStay(*result);
+  }
+}
+
+// Far from the origin, where jobs run on points around one of their own.
+TEST_P(BlendTest, PointsAreMetFarFromTheOrigin) {
+  const Vec3 way = {1000 * size_, 0, 0};
+  const SurfaceParameter place = {0, 0, 0.45, 0.4};
+  mesh_ = oracle::Moved(mesh_, 1, way);
+  const Samples before = At(RunOrDie(Options()), {place});
+  InterpolateOptions options = Options();
+  SurfaceConstraint& wish = options.constraints.surface_points.emplace_back();
+  wish.parameter = place;
+  wish.point = before.points[0] + Vec3{0, 0.01 * size_, 0};
+  const InterpolateResult result = RunOrDie(options);
+  EXPECT_LE(Norm(At(result, {place}).points[0] - *wish.point), 1e-9 * size_);
+}
+
 std::vector<std::string> Names() {
   return {"cube",           "dodecahedron", "torus_jittered_seed_5",
           "ngons_seed_2",   "antiprism_40", "TubeOfOneRing",
@@ -288,6 +380,101 @@ INSTANTIATE_TEST_SUITE_P(All, BlendTest,
                          testing::Combine(testing::Values(Rule::kCatmullClark, Rule::kLoop),
                                           testing::ValuesIn(Names())),
                          NameOf);
+
+class BlendErrors : public testing::Test {
+ protected:
+  absl::Status StatusOf(const std::function<void(SurfaceConstraint&)>& change,
+                        Scheme scheme = Scheme::kCatmullClark) const {
+    InterpolateOptions options = {.scheme = scheme, .level = 0};
+    options.constraints.surface_points.resize(2);
+    options.constraints.surface_points[0] = {.vertex = 0, .normal = Vec3{1, 1, 1}};
+    SurfaceConstraint& second = options.constraints.surface_points[1];
+    second = {.parameter = SurfaceParameter{5, 1, 0.4, 0.5}, .normal = Vec3{0, 0, 1}};
+    change(second);
+    return Interpolate(
+               Context(),
+               scheme == Scheme::kLoop ? oracle::Triangulated(oracle::Cube()) : oracle::Cube(),
+               options)
+        .status();
+  }
+  void Expect(Reason reason, const std::string& member,
+              const std::function<void(SurfaceConstraint&)>& change) const {
+    ExpectError(StatusOf(change), {reason, "constraints.surface_points[1]" + member, 1});
+  }
+};
+
+TEST_F(BlendErrors, EveryBadConstraintNamesItsField) {
+  const Reason range = Reason::kIndexOutOfRange;
+  const Reason invalid = Reason::kInvalidOption;
+  const double nan = std::nan("");
+  const double infinity = std::numeric_limits<double>::infinity();
+  const auto at_vertex = [](SurfaceConstraint& c, Index v) {
+    c.parameter.reset();
+    c.vertex = v;
+  };
+  Expect(range, ".vertex", [&](auto& c) { at_vertex(c, 8); });
+  Expect(invalid, ".vertex", [&](auto& c) { at_vertex(c, 0); });
+  Expect(invalid, "", [&](auto& c) { c.vertex = 1; });
+  Expect(invalid, "", [&](auto& c) { c.parameter.reset(); });
+  Expect(range, ".parameter.face", [](auto& c) { c.parameter->face = 6; });
+  Expect(range, ".parameter.corner", [](auto& c) { c.parameter->corner = 4; });
+  for (const double bad : {nan, infinity, -1e-9, 1.0001}) {
+    Expect(invalid, ".parameter.u", [bad](auto& c) { c.parameter->u = bad; });
+    Expect(invalid, ".parameter.v", [bad](auto& c) { c.parameter->v = bad; });
+  }
+  Expect(invalid, "", [](auto& c) { c.normal.reset(); });
+  Expect(invalid, ".normal", [](auto& c) { c.normal = {0, 0, 0}; });
+  Expect(invalid, ".normal", [nan](auto& c) { c.normal = {0, nan, 0}; });
+  Expect(invalid, ".point", [infinity](auto& c) { c.point = {infinity, 0, 0}; });
+  Expect(invalid, ".derivative_u", [](auto& c) { c.derivative_u = Vec3{0, 0, 0}; });
+  Expect(invalid, ".derivative_v", [nan](auto& c) { c.derivative_v = Vec3{nan, 0, 0}; });
+  Expect(invalid, ".derivative_v", [](auto& c) {
+    c.normal.reset();
+    c.derivative_u = Vec3{1, 0, 0};
+    c.derivative_v = Vec3{-2, 0, 0};
+  });
+  Expect(invalid, ".normal", [](auto& c) { c.derivative_u = Vec3{1, 0, 0.5}; });
+  Expect(invalid, ".derivative_u", [&](auto& c) {
+    at_vertex(c, 3);
+    c.derivative_u = Vec3{1, 0, 0};
+  });
+  Expect(invalid, ".point", [&](auto& c) {
+    at_vertex(c, 3);
+    c.point = {0.5, 0.5, 0.5};
+  });
+  Expect(range, ".region[1]", [](auto& c) { c.region = {0, 96}; });
+  Expect(invalid, ".region", [](auto& c) { c.region = {95}; });
+  ExpectError(StatusOf(
+                  [](auto& c) {
+                    c.parameter = SurfaceParameter{5, 1, 0.7, 0.4};
+                  },
+                  Scheme::kLoop),
+              {invalid, "constraints.surface_points[1].parameter.v", 1});
+  ExpectError(StatusOf([](auto&) {}, Scheme::kDooSabin), {invalid, "constraints.surface_points"});
+}
+
+// A hub with constraints all around it.
+TEST_F(BlendErrors, RegionsAreBounded) {
+  InterpolateOptions options = {.scheme = Scheme::kCatmullClark, .level = 0};
+  options.constraints.interpolate.emplace();
+  const PolygonMesh hub = oracle::DoublePyramid(3000);
+  for (Index f = 0; f < 3000; ++f) {
+    options.constraints.surface_points.push_back(
+        {.parameter = SurfaceParameter{f, 0, 0.5, 0.5}, .point = Vec3{0, 0, 1}});
+  }
+  ExpectError(Interpolate(Context(), hub, options).status(),
+              {Reason::kLimitExceeded, "constraints"});
+}
+
+TEST_F(BlendErrors, TooManyTogetherAreRefused) {
+  InterpolateOptions options = {.scheme = Scheme::kCatmullClark, .level = 0};
+  for (int i = 0; i < 300; ++i) {
+    options.constraints.surface_points.push_back(
+        {.parameter = SurfaceParameter{0, 0, 0.003 * i, 0.5}, .normal = Vec3{0, 0, 1}});
+  }
+  ExpectError(Interpolate(Context(), oracle::Cube(), options).status(),
+              {Reason::kLimitExceeded, "constraints.surface_points[0]", 0});
+}
 
 }  // namespace
 }  // namespace limn

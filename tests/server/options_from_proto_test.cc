@@ -149,8 +149,6 @@ std::vector<FieldCase> UnbuiltCases() {
     return [add](Header& h) { add(h.mutable_constraints()); };
   };
   return {
-      {"SurfacePoints", constraint([](auto* c) { c->add_surface_points(); }), kNot,
-       "constraints.surface_points"},
       {"Features", constraint([](auto* c) { c->mutable_features(); }), kNot,
        "constraints.features"},
   };
