@@ -17,11 +17,18 @@ namespace limn {
 template class ClientCall<v1::InterpolateRequest, v1::InterpolateResponse>;
 
 Client Client::Connect(const std::string& address, const ClientOptions& options) {
-  grpc::ChannelArguments arguments;
-  // A proxy from the environment would be asked for this very machine too.
-  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
-  return Client(grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments),
-                options);
+  return Client(*MakeChannel(address, {}), options);
+}
+
+absl::StatusOr<Client> Client::ConnectSecurely(const std::string& address,
+                                               const ClientSecurity& security,
+                                               ClientOptions options) {
+  LIMN_ASSIGN_OR_RETURN(std::shared_ptr<grpc::Channel> channel, MakeChannel(address, security));
+  LIMN_ASSIGN_OR_RETURN(std::string authorization, ReadAuthorization(address, security));
+  if (!authorization.empty()) {
+    options.metadata.emplace_back("authorization", std::move(authorization));
+  }
+  return Client(std::move(channel), options);
 }
 
 Client::Client(std::shared_ptr<grpc::Channel> channel, const ClientOptions& options)
@@ -56,7 +63,7 @@ absl::StatusOr<JobResult> Client::Run(v1::InterpolateHeader header, const Polygo
 absl::StatusOr<v1::GetServerInfoResponse> Client::GetServerInfo() const {
   LIMN_RETURN_IF_ERROR(CheckClientOptions(options_));
   grpc::ClientContext context;
-  SetDeadline(options_, &context);
+  PrepareCall(options_, &context);
   v1::GetServerInfoResponse response;
   const grpc::Status status =
       v1::LimnService::NewStub(channel_)->GetServerInfo(&context, {}, &response);

@@ -8,10 +8,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/security.h"
 #include "engine/base/vec3.h"
 #include "engine/limit/evaluate.h"
 #include "engine/limit/tessellation.h"
@@ -79,6 +81,9 @@ struct ClientOptions {
   double deadline_seconds = 0;
   // Bytes per chunk of the upload, 1 to 1 MiB.
   std::uint32_t chunk_bytes = 512U << 10;
+  // Metadata of every call, in ASCII: "authorization: Bearer TOKEN", "traceparent" and the like.
+  // Names in lower case.
+  std::vector<std::pair<std::string, std::string>> metadata = {};
 };
 
 // A connection. Thread-safe: several jobs may run on it at once.
@@ -86,6 +91,11 @@ class Client {
  public:
   // address: HOST:PORT. Connects when the first job needs it.
   static Client Connect(const std::string& address, const ClientOptions& options = {});
+  // The same with TLS, a certificate, a token. Errors: INVALID_OPTION; see MakeChannel. What the
+  // server thinks of them is seen with the first call.
+  [[nodiscard]] static absl::StatusOr<Client> ConnectSecurely(const std::string& address,
+                                                              const ClientSecurity& security,
+                                                              ClientOptions options = {});
   // Over a channel made elsewhere, such as a server's in-process channel.
   explicit Client(std::shared_ptr<grpc::Channel> channel, const ClientOptions& options = {});
 

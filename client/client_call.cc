@@ -19,7 +19,8 @@ absl::Status CheckClientOptions(const ClientOptions& options) {
   return absl::OkStatus();
 }
 
-void SetDeadline(const ClientOptions& options, grpc::ClientContext* context) {
+void PrepareCall(const ClientOptions& options, grpc::ClientContext* context) {
+  for (const auto& [name, value] : options.metadata) context->AddMetadata(name, value);
   // A century is as good as none, and fits the clock.
   constexpr double kLongest = 3e9;
   if (options.deadline_seconds <= 0 || options.deadline_seconds >= kLongest) return;

@@ -24,7 +24,8 @@ namespace limn {
 
 // Errors: INVALID_OPTION.
 [[nodiscard]] absl::Status CheckClientOptions(const ClientOptions& options);
-void SetDeadline(const ClientOptions& options, grpc::ClientContext* context);
+// Deadline and metadata.
+void PrepareCall(const ClientOptions& options, grpc::ClientContext* context);
 
 // An upload: a header with the counts of its mesh, and the mesh.
 struct MeshUpload {
@@ -60,7 +61,7 @@ struct ClientCall<Request, Response>::Impl {
   Impl(const std::shared_ptr<grpc::Channel>& channel, const ClientOptions& options, Open open,
        Upload upload)
       : stub(v1::LimnService::NewStub(channel)) {
-    SetDeadline(options, &context);
+    PrepareCall(options, &context);
     stream = open(*stub, &context);
     uploader = std::thread([this, upload = std::move(upload)] {
       if (upload(*stream)) stream->WritesDone();

@@ -130,6 +130,7 @@ absl::Status ValidateFilter(const FilterOptions& filter, const InterpolateOption
       {!constraints.normals.empty(), "constraints.normals"},
       {!constraints.shape_handles.empty(), "constraints.shape_handles"},
       {!constraints.surface_points.empty(), "constraints.surface_points"},
+      {constraints.features.has_value(), "constraints.features"},
   };
   for (const auto& [given, field] : others) {
     if (!given) continue;

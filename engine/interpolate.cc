@@ -85,8 +85,7 @@ class Pipeline {
         options_(options),
         level_(options.level),
         frame_{.context = context, .input = input, .options = options},
-        job_(options.scheme == Scheme::kDooSabin ? MakeDooSabinJob(&frame_)
-                                                 : MakePrimalJob(&frame_)) {}
+        job_(MakeJob()) {}
 
   absl::StatusOr<InterpolateResult> Run() {
     LIMN_RETURN_IF_ERROR(CheckOptions(context_, input_, options_));
@@ -108,6 +107,12 @@ class Pipeline {
   }
 
  private:
+  std::unique_ptr<SchemeJob> MakeJob() {
+    if (options_.scheme != Scheme::kDooSabin) return MakePrimalJob(&frame_);
+    return options_.constraints.features.has_value() ? MakeFeatureJob(&frame_)
+                                                     : MakeDooSabinJob(&frame_);
+  }
+
   absl::Status Build() {
     BoundingBox box;
     LIMN_RETURN_IF_ERROR(ValidatePositions(context_, input_.positions, &box));

@@ -2,8 +2,9 @@
 // The whole job: from a given mesh to the control mesh and the tessellated limit surface that
 // passes through the given vertices. One pipeline for every scheme:
 //   build -> solve -> first refinement -> constraints -> refine -> limit.
-// Source: Zheng and Cai, "Making Doo-Sabin surface interpolation always work over irregular
-// meshes", The Visual Computer 2005, section 3.4.
+// With feature values (engine/constraints/features.h) there is no solve: they are the first
+// refinement of the given mesh. Source: Zheng and Cai, "Making Doo-Sabin surface interpolation
+// always work over irregular meshes", The Visual Computer 2005, section 3.4.
 #pragma once
 
 #include <cstdint>
@@ -42,7 +43,10 @@ struct InterpolateOptions {
   // What becomes of the boundary of Catmull-Clark and Loop surfaces; kEdgeAndCorner by default.
   std::optional<BoundaryRule> boundary;
   SolveOptions solve;
-  // What the surface meets; by default all vertices are interpolated.
+  // What the surface meets; by default all vertices are interpolated. With constraints.features
+  // they win over the solve: `solve` and `strict` are not looked at, the control mesh is the given
+  // one, and vertices are interpolated, exactly, only where constraints.interpolate names them. A
+  // rule or `fair` beside them is refused.
   Constraints constraints;
   // Cures of overshoot where edge lengths differ; see engine/constraints/fair.h.
   bool fair = false;
@@ -85,11 +89,12 @@ struct InterpolateResult {
   // its patches. Within the regions that moved the surface is not that of the control mesh any
   // more, but of its second refinement with some points moved.
   std::optional<BlendReport> blend;
-  // With `keep_patches`.
+  // With `keep_patches`. Doo-Sabin: its mesh has the input's faces and corners; along plane faces of
+  // feature values it is cut.
   std::optional<LimitSurface> patches;
   // In the order in which they ran: "build", "solve", and with a surface "first_refinement",
-  // "perturb" (both Doo-Sabin's), "fair", "blend" and "choose_level" if asked for, "refine",
-  // "limit".
+  // "perturb" (both Doo-Sabin's; with feature values one), "fair", "blend" and "choose_level" if
+  // asked for, "refine", "limit".
   std::vector<StageTime> stages;
 };
 

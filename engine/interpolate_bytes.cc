@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "engine/base/buffer.h"
 #include "engine/base/vec3.h"
@@ -75,7 +76,9 @@ double BuildPeak(const Counts& n) {
 }
 
 // A BoundaryCurve.
-double Curve(const Counts& n) { return 3 * Indices(n.boundary) + 3 * Points(n.boundary); }
+double Curve(const Counts& n) {
+  return 3 * Indices(n.boundary) + 3 * Points(n.boundary) + Bytes(n.boundary, 1);
+}
 
 // The level that is asked for, or the finest that may be chosen.
 std::uint32_t LevelOf(const InterpolateOptions& options) {
@@ -212,8 +215,8 @@ double ChooseLevelBytes(const Counts& n) {
          Indices(2 * n.half_edges) + 2 * Indices(n.vertices + n.faces + 1);
 }
 
-// The most of the surface's stages. `n`: of the input.
-double SurfacePeak(Counts n, const InterpolateOptions& options) {
+// The most of the surface's stages. `n`: of the mesh that it is made on.
+double DooSabinPeak(Counts n, const InterpolateOptions& options) {
   double mesh = BuiltMesh(n);
   const double patches = mesh + Points(n.half_edges) + Curve(n);
   double peak = patches;
@@ -236,6 +239,30 @@ double SurfacePeak(Counts n, const InterpolateOptions& options) {
   }
   return std::max(peak,
                   fans + mesh + Curve(n) + Points(n.half_edges) + TessellationBytes(n, options));
+}
+
+// What FeatureSurface::Make holds beside the surface: values by corner, points, marks of vertices,
+// planes and what becomes of their corners, and the curve's control points.
+double FeatureBytes(const Counts& n) {
+  return 2 * Bytes(n.half_edges, sizeof(double)) + Bytes(n.half_edges, 1) + 2 * Bytes(n.faces, 1) +
+         2 * Points(n.vertices) + 2 * Bytes(n.vertices, 1) + 2 * Points(n.faces) +
+         2 * Points(n.boundary) + Bytes(n.boundary, 1);
+}
+
+// The most of the surface's stages. `n`: of the input.
+double SurfacePeak(const Counts& n, const InterpolateOptions& options) {
+  const std::optional<FeatureValues>& features = options.constraints.features;
+  if (!features.has_value()) return DooSabinPeak(n, options);
+  if (!features->has_planes()) return FeatureBytes(n) + DooSabinPeak(n, options);
+  // Cut at most along every edge; the given mesh is there too, and refined for the tessellation.
+  // The corners of plane faces are kept with their normals, 32 bytes each.
+  const Counts cut = {.vertices = n.half_edges,
+                      .edges = n.half_edges,
+                      .faces = n.faces,
+                      .half_edges = n.half_edges,
+                      .boundary = n.half_edges};
+  return FeatureBytes(cut) + BuildPeak(cut) + Bytes(n.half_edges, 32) + DooSabinPeak(cut, options) +
+         DooSabinPeak(n, options);
 }
 
 }  // namespace

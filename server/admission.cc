@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 #include "engine/base/error.h"
+#include "server/job_cost.h"
 
 namespace limn {
 namespace {
@@ -56,7 +57,7 @@ void Admission::Reservation::Shrink(std::uint64_t bytes) {
   bytes_ = bytes;
 }
 
-absl::StatusOr<Admission::Ticket> Admission::Admit(const JobSpec& spec) {
+absl::StatusOr<Admission::Ticket> Admission::Admit(const JobSpec& spec, const std::string& client) {
   LIMN_RETURN_IF_ERROR(
       wire::CheckHeader(EngineLimits(limits_), spec.mesh, {.any_arity = spec.repair}));
   if (spec.mesh.byte_count() > limits_.max_mesh_bytes) {
@@ -73,7 +74,10 @@ absl::StatusOr<Admission::Ticket> Admission::Admit(const JobSpec& spec) {
   Ticket ticket;
   ticket.estimate = EstimateJobBytes(spec);
   LIMN_RETURN_IF_ERROR(CheckJobBytes(ticket.estimate, spec.engine.chord_tolerance.has_value()));
-  LIMN_ASSIGN_OR_RETURN(ticket.position, lane_.NextPosition());
+  ticket.request = {
+      .client = client, .bytes = ticket.estimate, .milliseconds = EstimateMilliseconds(spec)};
+  ticket.lane = &lanes_.For(ticket.request.milliseconds);
+  LIMN_ASSIGN_OR_RETURN(ticket.position, ticket.lane->NextPosition(ticket.request));
   std::optional<Slots::Slot> upload = uploads_.Take();
   if (!upload.has_value()) {
     return Busy(absl::StrCat(limits_.max_uploads, " meshes are arriving"), "max-uploads");
@@ -89,7 +93,7 @@ absl::StatusOr<Admission::Ticket> Admission::Admit(const JobSpec& spec) {
 
 absl::Status Admission::Enqueue(Ticket* ticket) {
   LIMN_RETURN_IF_ERROR(Grow(ticket->estimate, &ticket->memory));
-  LIMN_ASSIGN_OR_RETURN(ticket->place, lane_.Reserve());
+  LIMN_ASSIGN_OR_RETURN(ticket->place, ticket->lane->Reserve(ticket->request));
   ticket->upload.Release();
   return absl::OkStatus();
 }

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <mutex>
+#include <string>
 
 #include "absl/status/statusor.h"
 #include "server/job_memory.h"
@@ -40,6 +41,9 @@ class Admission {
   // computed; its memory until its answer has been taken.
   struct Ticket {
     Slots::Slot upload;
+    // Where it will run.
+    Lane* lane = nullptr;
+    LaneRequest request;
     Lane::Place place;
     Reservation memory;
     // What EstimateJobBytes says.
@@ -48,21 +52,21 @@ class Admission {
     std::uint64_t position = 0;
   };
 
-  // limits and lane must outlive it.
-  Admission(const ServerLimits& limits, Lane& lane)
-      : limits_(limits), lane_(lane), uploads_(limits.max_uploads) {}
+  // limits and lanes must outlive it.
+  Admission(const ServerLimits& limits, Lanes& lanes)
+      : limits_(limits), lanes_(lanes), uploads_(limits.max_uploads) {}
 
   // For a job whose upload begins. Only what the upload takes is set aside: who uploads slowly must
   // not hold a place and memory that another job could use. But a job for which there is no place
-  // or no memory now is refused, which saves its upload.
+  // or no memory now is refused, which saves its upload. client: whose job it is, for fair shares.
   //
   // Errors: those of wire::CheckHeader; LIMIT_EXCEEDED naming the limit. Nothing is held after an
   // error.
-  [[nodiscard]] absl::StatusOr<Ticket> Admit(const JobSpec& spec);
+  [[nodiscard]] absl::StatusOr<Ticket> Admit(const JobSpec& spec, const std::string& client = "");
 
   // For a job whose upload is complete: sets its memory aside, and trades its turn to upload for a
-  // place in the lane. Errors: LIMIT_EXCEEDED with limit max-total-bytes or queue-length; the job
-  // cannot go on then.
+  // place in its lane. Errors: LIMIT_EXCEEDED with limit max-total-bytes, queue-length, queue-bytes
+  // or queue-milliseconds; the job cannot go on then.
   [[nodiscard]] absl::Status Enqueue(Ticket* ticket);
 
   // Has the reservation hold at least this many bytes, now that more is known than the header
@@ -83,7 +87,7 @@ class Admission {
   [[nodiscard]] absl::Status CheckTotal(std::uint64_t more) const;
 
   const ServerLimits& limits_;
-  Lane& lane_;
+  Lanes& lanes_;
   Slots uploads_;
   mutable std::mutex mutex_;
   std::uint64_t reserved_ = 0;

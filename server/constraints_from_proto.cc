@@ -12,25 +12,6 @@
 namespace limn {
 namespace {
 
-absl::Status CheckBuilt(const v1::Constraints& constraints) {
-  struct Kind {
-    bool used;
-    absl::string_view field;
-    absl::string_view feature;
-  };
-  const Kind kinds[] = {
-      {constraints.has_features(), "constraints.features", "feature values are"},
-  };
-  for (const Kind& kind : kinds) {
-    if (!kind.used) continue;
-    return MakeError(absl::StrCat(kind.field, ": ", kind.feature, " not implemented yet"),
-                     {.reason = Reason::kUnimplemented,
-                      .field = std::string(kind.field),
-                      .remedy = "Leave it out"});
-  }
-  return absl::OkStatus();
-}
-
 absl::Status CheckCount(absl::string_view field, int count, std::uint64_t vertex_count) {
   if (vertex_count == 0 || static_cast<std::uint64_t>(count) <= vertex_count) {
     return absl::OkStatus();
@@ -40,6 +21,49 @@ absl::Status CheckCount(absl::string_view field, int count, std::uint64_t vertex
       {.reason = Reason::kInvalidOption,
        .field = std::string(field),
        .remedy = "Name each vertex at most once"});
+}
+
+absl::Status UnknownKind(const std::string& field, int value) {
+  return MakeError(absl::StrCat(field, ": ", value, " is no value of this enumeration"),
+                   {.reason = Reason::kInvalidOption,
+                    .field = field,
+                    .remedy = "Use one of the values in the contract"});
+}
+
+FaceKind KindOf(v1::FeatureValues::FaceKind kind) {
+  return kind == v1::FeatureValues::FACE_KIND_PLANE ? FaceKind::kPlane : FaceKind::kSurface;
+}
+
+// Their number is bounded by that of the message's bytes; whether they are in range is for
+// MakeFeatureTable to say.
+absl::Status ReadFeatures(const v1::FeatureValues& features, FeatureValues* out) {
+  if (!v1::FeatureValues::FaceKind_IsValid(features.default_face())) {
+    return UnknownKind("constraints.features.default_face", features.default_face());
+  }
+  out->default_face = KindOf(features.default_face());
+  if (features.has_default_edge()) out->default_edge = features.default_edge();
+  if (features.has_default_vertex()) out->default_vertex = features.default_vertex();
+  out->faces.reserve(static_cast<std::size_t>(features.faces_size()));
+  for (const v1::FeatureValues::Face& face : features.faces()) {
+    if (!v1::FeatureValues::FaceKind_IsValid(face.kind())) {
+      return UnknownKind(absl::StrCat("constraints.features.faces[", out->faces.size(), "].kind"),
+                         face.kind());
+    }
+    out->faces.push_back({.face = face.face(), .kind = KindOf(face.kind())});
+  }
+  out->edges.reserve(static_cast<std::size_t>(features.edges_size()));
+  for (const v1::FeatureValues::Edge& edge : features.edges()) {
+    EdgeFeature& entry = out->edges.emplace_back();
+    entry = {.from = edge.from(), .to = edge.to(), .value = edge.value()};
+    if (edge.has_face()) entry.face = edge.face();
+  }
+  out->vertices.reserve(static_cast<std::size_t>(features.vertices_size()));
+  for (const v1::FeatureValues::Vertex& vertex : features.vertices()) {
+    VertexFeature& entry = out->vertices.emplace_back();
+    entry = {.vertex = vertex.vertex(), .value = vertex.value()};
+    if (vertex.has_face()) entry.face = vertex.face();
+  }
+  return absl::OkStatus();
 }
 
 absl::Status CheckCounts(const v1::Constraints& constraints, std::uint64_t vertex_count) {
@@ -108,7 +132,6 @@ void ReadSharp(const v1::Constraints& constraints, Constraints* out) {
 
 absl::StatusOr<Constraints> ConstraintsFromProto(const v1::Constraints& constraints,
                                                  std::uint64_t vertex_count) {
-  LIMN_RETURN_IF_ERROR(CheckBuilt(constraints));
   LIMN_RETURN_IF_ERROR(CheckCounts(constraints, vertex_count));
   Constraints out;
   if (constraints.has_interpolate()) {
@@ -122,6 +145,9 @@ absl::StatusOr<Constraints> ConstraintsFromProto(const v1::Constraints& constrai
   }
   ReadSurfacePoints(constraints, &out);
   ReadSharp(constraints, &out);
+  if (constraints.has_features()) {
+    LIMN_RETURN_IF_ERROR(ReadFeatures(constraints.features(), &out.features.emplace()));
+  }
   return out;
 }
 
@@ -136,7 +162,14 @@ std::uint64_t ConstraintBytes(const Constraints& constraints) {
   for (const SurfaceConstraint& entry : constraints.surface_points) {
     points += entry.region.size() * sizeof(Index);
   }
-  return points + subset * sizeof(Index) + constraints.normals.size() * sizeof(NormalConstraint) +
+  std::uint64_t features = 0;
+  if (constraints.features.has_value()) {
+    features = constraints.features->faces.size() * sizeof(FaceFeature) +
+               constraints.features->edges.size() * sizeof(EdgeFeature) +
+               constraints.features->vertices.size() * sizeof(VertexFeature);
+  }
+  return points + subset * sizeof(Index) + features +
+         constraints.normals.size() * sizeof(NormalConstraint) +
          constraints.shape_handles.size() * sizeof(ShapeHandle) + creases +
          constraints.corners.size() * sizeof(CornerConstraint) +
          constraints.holes.size() * sizeof(Index);

@@ -15,8 +15,8 @@ namespace limn {
 // so longer ones are refused before anything is copied.
 //
 // Errors, by the field's path in the contract's words: UNIMPLEMENTED for the kinds that are not
-// built; INVALID_OPTION for a list that is too long and for a normal that is missing. Cost: linear
-// in the constraints. Thread-safe.
+// built; INVALID_OPTION for a list that is too long, for a normal that is missing and for a kind of
+// face that is none. Cost: linear in the constraints. Thread-safe.
 [[nodiscard]] absl::StatusOr<Constraints> ConstraintsFromProto(const v1::Constraints& constraints,
                                                                std::uint64_t vertex_count);
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "server/job_reactor.h"
 
-#include <random>
 #include <utility>
 
-#include "absl/strings/str_format.h"
+#include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
 #include "engine/base/guard.h"
 #include "proto/wire/status.h"
@@ -21,10 +20,12 @@ constexpr std::chrono::milliseconds kProgressInterval(100);
 constexpr std::chrono::milliseconds kClockSlack(10);
 
 using Milliseconds = std::chrono::duration<double, std::milli>;
+using Seconds = std::chrono::duration<double>;
 
-std::string MakeRequestId() {
-  thread_local std::mt19937_64 random{std::random_device{}()};
-  return absl::StrFormat("%016x", random());
+// Whether the message is one of the job's own, not one about it.
+template <class Response>
+bool IsAnswer(const Response& message) {
+  return !message.has_accepted() && !message.has_progress();
 }
 
 }  // namespace
@@ -42,15 +43,21 @@ JobReactor<Rpc>::JobReactor(ServiceCore& core, grpc::CallbackServerContext* cont
     : core_(core),
       context_(context),
       deadline_(DeadlineOf(context->raw_deadline())),
+      caller_(IdentifyCaller(*context, core.tokens.get())),
       watch_(core.limits, Clock::now()),
-      request_id_(MakeRequestId()),
-      phase_start_(Clock::now()) {}
+      request_id_(caller_.request_id),
+      start_(Clock::now()),
+      phase_start_(start_) {}
 
 template <class Rpc>
 void JobReactor<Rpc>::Start() {
   const Lock lock(mutex_);
   // First registered, then looked: a drain that begins now either finds it or is seen by it.
   core_.streams.Add(self_);
+  if (!caller_.authorized.ok()) {
+    End(caller_.authorized);
+    return;
+  }
   if (core_.draining.load()) {
     End(MakeError("the server is stopping", {.reason = Reason::kShuttingDown,
                                              .remedy = "Try another server, or again later"}));
@@ -93,7 +100,9 @@ void JobReactor<Rpc>::RunJob() {
       return;
     }
     phase_ = Phase::kRunning;
-    job_->AddStage("queue", Milliseconds(Clock::now() - phase_start_).count());
+    const Milliseconds waited = Clock::now() - phase_start_;
+    job_->AddStage("queue", waited.count());
+    core_.metrics.ObserveQueueWait(ticket_.lane->name(), waited.count() / 1000);
   }
   const absl::Status status =
       Guarded("running the job", Reason::kInternal, [&] { return Compute(); });
@@ -103,7 +112,10 @@ void JobReactor<Rpc>::RunJob() {
   phase_ = Phase::kDelivering;
   watch_.Touch(Clock::now());
   progress_.reset();
-  if (end_.has_value()) return;
+  if (end_.has_value()) {
+    core_.metrics.ObserveCancelToStop(Seconds(Clock::now() - ended_at_).count());
+    return;
+  }
   if (status.ok()) {
     PumpEncoder();
   } else {
@@ -118,9 +130,17 @@ absl::Status JobReactor<Rpc>::Compute() {
   Admission::Reservation* const memory = &ticket_.memory;
   std::string encoded = upload_->TakeBytes();
   LIMN_ASSIGN_OR_RETURN(const std::uint64_t decoding, EstimateDecodeBytes(spec_, encoded));
-  LIMN_RETURN_IF_ERROR(core_.admission.Grow(decoding, memory));
-  LIMN_RETURN_IF_ERROR(job_->Decode(std::move(encoded)));
-  LIMN_RETURN_IF_ERROR(core_.admission.Grow(EstimateJobBytes(job_->spec()), memory));
+  const auto grow = [&](std::uint64_t bytes) {
+    absl::Status status = core_.admission.Grow(bytes, memory);
+    core_.metrics.CountAdmissionReject(status);
+    return status;
+  };
+  LIMN_RETURN_IF_ERROR(grow(decoding));
+  if (absl::Status status = job_->Decode(std::move(encoded)); !status.ok()) {
+    core_.metrics.CountDecodeReject(status);
+    return status;
+  }
+  LIMN_RETURN_IF_ERROR(grow(EstimateJobBytes(job_->spec())));
   {
     const Lock lock(mutex_);
     spec_.mesh = job_->spec().mesh;
@@ -176,7 +196,7 @@ void JobReactor<Rpc>::PumpEncoder() {
   if (phase_ != Phase::kDelivering || encoding_ || all_encoded_ || end_.has_value()) return;
   if (encoded_.size() >= kMostEncoded || !FeedJob()) return;
   encoding_ = true;
-  core_.delivery.Post([self = this->shared_from_this()] { self->EncodeNext(); });
+  delivery().Post([self = this->shared_from_this()] { self->EncodeNext(); });
 }
 
 template <class Rpc>
@@ -189,12 +209,16 @@ void JobReactor<Rpc>::EncodeNext() {
 
   const Lock lock(mutex_);
   encoding_ = false;
-  if (end_.has_value()) return;
+  if (end_.has_value()) {
+    core_.metrics.ObserveCancelToStop(Seconds(Clock::now() - ended_at_).count());
+    return;
+  }
   if (!more.ok()) {
     End(more.status());
     return;
   }
   if (*more) {
+    core_.metrics.AddInflight(static_cast<std::int64_t>(message->ByteSizeLong()));
     encoded_.push_back(std::move(message));
   } else {
     all_encoded_ = true;
@@ -210,7 +234,8 @@ void JobReactor<Rpc>::TryWrite() {
   if (end_.has_value()) {
     finished_ = true;
     watch_.BeginWrite(Clock::now(), false);
-    this->Finish(wire::ToGrpcStatus(*end_));
+    context_->AddTrailingMetadata(kRequestIdKey, request_id_);
+    this->Finish(wire::ToGrpcStatus(*end_, request_id_));
   } else if (!encoded_.empty()) {
     std::unique_ptr<Response> message = std::move(encoded_.front());
     encoded_.pop_front();
@@ -233,13 +258,25 @@ template <class Rpc>
 void JobReactor<Rpc>::Write(std::unique_ptr<Response> message) {
   watch_.BeginWrite(Clock::now(), phase_ == Phase::kDelivering);
   writing_ = std::move(message);
+  write_start_ = Clock::now();
+  if constexpr (requires { writing_->has_tile(); }) {
+    if (writing_->has_tile() && !std::exchange(tile_seen_, true)) {
+      core_.metrics.ObserveFirstTile(Seconds(write_start_ - start_).count());
+    }
+  }
+  if (!std::exchange(named_, true)) context_->AddInitialMetadata(kRequestIdKey, request_id_);
   this->StartWrite(writing_.get());
 }
 
 template <class Rpc>
 void JobReactor<Rpc>::OnWriteDone(bool ok) {
   const Lock lock(mutex_);
-  watch_.EndWrite(Clock::now(), writing_->ByteSizeLong());
+  const Clock::time_point now = Clock::now();
+  watch_.EndWrite(now, writing_->ByteSizeLong());
+  core_.metrics.AddStall(Seconds(now - write_start_).count());
+  if (IsAnswer(*writing_)) {
+    core_.metrics.AddInflight(-static_cast<std::int64_t>(writing_->ByteSizeLong()));
+  }
   writing_.reset();
   if (!ok) End(CancelledStatus());
   TryWrite();
@@ -271,68 +308,28 @@ template <class Rpc>
 void JobReactor<Rpc>::End(const absl::Status& status) {
   if (end_.has_value()) return;
   end_ = status;
+  ended_at_ = Clock::now();
   stop_.Cancel();
+  for (const auto& message : encoded_) {
+    if (!IsAnswer(*message)) continue;
+    core_.metrics.AddInflight(-static_cast<std::int64_t>(message->ByteSizeLong()));
+  }
   encoded_.clear();
   progress_.reset();
   input_.reset();
   ticket_.upload.Release();
-  if (phase_ != Phase::kRunning) ticket_.place.Release();
+  if (phase_ == Phase::kRunning) {
+    ticket_.place.StopRequested(ended_at_);
+  } else {
+    ticket_.place.Release();
+  }
   TryWrite();
   if (read_paused_) ReadMore();
 }
 
 template <class Rpc>
-void JobReactor<Rpc>::CheckStall(Clock::time_point now) {
-  const Lock lock(mutex_);
-  if (done_) return;
-  // Progress that came too soon after the last one, and was not followed by more.
-  TryWrite();
-  const bool upload = phase_ == Phase::kUpload && !end_.has_value();
-  const bool header = phase_ == Phase::kHeader && !end_.has_value();
-  const bool writing = writing_ != nullptr || finished_;
-  const absl::Status status = watch_.Check(now, {.for_reader = writing && !upload,
-                                                 .for_message = header || upload || WaitsForInput(),
-                                                 .for_upload = upload});
-  if (status.ok()) return;
-  End(status);
-  // An orderly end would not get through to a reader that takes nothing.
-  if (writing) context_->TryCancel();
-}
-
-template <class Rpc>
-void JobReactor<Rpc>::OnDone() {
-  {
-    const Lock lock(mutex_);
-    done_ = true;
-    LogEnd();
-  }
-  core_.streams.Remove(this);
-  // Giving back a large result takes long, so another thread does it.
-  core_.delivery.Post([self = std::move(self_)] {});
-}
-
-template <class Rpc>
-void JobReactor<Rpc>::LogEnd() {
-  const absl::Status status = end_.value_or(absl::UnknownError("ended without a reason"));
-  LogLine line("job");
-  line.Add("request_id", request_id_).Add("method", Rpc::kName).Add("peer", context_->peer());
-  line.Add("code", absl::StatusCodeToString(status.code()));
-  if (const std::optional<ErrorDetail> detail = GetErrorDetail(status)) {
-    line.Add("reason", ReasonName(detail->reason));
-    if (!detail->field.empty()) line.Add("field", detail->field);
-    if (!detail->limit.empty()) line.Add("limit", detail->limit);
-    line.Add("message", std::string(status.message()));
-  }
-  line.Add("vertices", spec_.mesh.vertex_count()).Add("faces", spec_.mesh.face_count());
-  line.Add("level", std::uint64_t{spec_.engine.level}).Add("bytes_in", spec_.mesh.byte_count());
-  // A job that still runs, or is still encoded, is not to be looked at.
-  if (job_ != nullptr && phase_ != Phase::kRunning && !encoding_) {
-    line.Add("bytes_out", job_->bytes_sent());
-    for (const StageTime& stage : job_->stages()) {
-      line.Add(std::string(stage.stage) + "_ms", stage.milliseconds);
-    }
-  }
-  core_.log->Info(line);
+WorkerThreads& JobReactor<Rpc>::delivery() {
+  return (ticket_.lane != nullptr ? *ticket_.lane : core_.lanes.batch).delivery();
 }
 
 template class JobReactor<InterpolateRpc>;

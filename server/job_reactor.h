@@ -17,6 +17,7 @@
 #include "absl/status/status.h"
 #include "engine/base/context.h"
 #include "proto/wire/chunks.h"
+#include "server/caller.h"
 #include "server/client_watch.h"
 #include "server/job_rpcs.h"
 #include "server/service_core.h"
@@ -87,11 +88,15 @@ class JobReactor final
   void WriteProgress();
   void End(const absl::Status& status);
   [[nodiscard]] absl::Status CancelledStatus() const;
+  void CountEnd(const absl::Status& status);
   void LogEnd();
+  [[nodiscard]] absl::Status CheckTimes(Clock::time_point now) const;
+  WorkerThreads& delivery();
 
   ServiceCore& core_;
   grpc::CallbackServerContext* const context_;
   const std::optional<Clock::time_point> deadline_;
+  const Caller caller_;
   std::shared_ptr<JobReactor> self_;
   std::mutex mutex_;
   Phase phase_ = Phase::kHeader;
@@ -102,6 +107,7 @@ class JobReactor final
   std::string request_id_;
   JobSpec spec_;
   std::optional<wire::ChunkAssembler> upload_;
+  const Clock::time_point start_;
   Clock::time_point phase_start_;
 
   // Input after the upload.
@@ -120,10 +126,14 @@ class JobReactor final
   std::optional<v1::Progress> progress_;
   Clock::time_point last_progress_;
   bool encoding_ = false;
+  bool named_ = false;
+  bool tile_seen_ = false;
+  Clock::time_point write_start_;
   bool all_encoded_ = false;
 
   // End.
   std::optional<absl::Status> end_;
+  Clock::time_point ended_at_;
   bool finished_ = false;
   bool done_ = false;
 };

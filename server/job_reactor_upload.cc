@@ -61,7 +61,9 @@ absl::Status JobReactor<Rpc>::TakeHeader(const v1::InterpolateHeader& header) {
   if (spec_.request_id.empty()) spec_.request_id = request_id_;
   request_id_ = spec_.request_id;
   FitFinestLevel(EngineLimits(core_.limits), &spec_);
-  LIMN_ASSIGN_OR_RETURN(ticket_, core_.admission.Admit(spec_));
+  absl::StatusOr<Admission::Ticket> ticket = core_.admission.Admit(spec_, caller_.client);
+  core_.metrics.CountAdmissionReject(ticket.status());
+  LIMN_ASSIGN_OR_RETURN(ticket_, std::move(ticket));
   upload_.emplace(spec_.mesh.byte_count());
   phase_ = Phase::kUpload;
   phase_start_ = Clock::now();
@@ -73,6 +75,8 @@ absl::Status JobReactor<Rpc>::TakeHeader(const v1::InterpolateHeader& header) {
   accepted->set_server_version(LIMN_VERSION);
   accepted->set_estimated_bytes(ticket_.estimate);
   accepted->set_queue_position(static_cast<std::uint32_t>(ticket_.position));
+  accepted->set_lane(ticket_.lane->name());
+  accepted->set_estimated_milliseconds(ticket_.request.milliseconds);
   encoded_.push_back(std::move(message));
   TryWrite();
   return absl::OkStatus();
@@ -115,7 +119,9 @@ Context JobReactor<Rpc>::MakeContext() {
 
 template <class Rpc>
 absl::Status JobReactor<Rpc>::Enqueue() {
-  LIMN_RETURN_IF_ERROR(core_.admission.Enqueue(&ticket_));
+  absl::Status status = core_.admission.Enqueue(&ticket_);
+  core_.metrics.CountAdmissionReject(status);
+  LIMN_RETURN_IF_ERROR(status);
   const Clock::time_point now = Clock::now();
   job_ = std::make_unique<typename Rpc::Job>(spec_, MakeContext());
   job_->AddStage("receive", Milliseconds(now - phase_start_).count());

@@ -16,6 +16,7 @@ constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 50;
 // A chunk and its offset; a smaller message size would refuse well-formed uploads.
 constexpr std::uint64_t kLeastMessageBytes = wire::kMaxChunkBytes + 4096;
 constexpr std::uint64_t kDay = 86'400;
+constexpr std::uint64_t kMostMilliseconds = 1000 * 365 * kDay;
 
 constexpr std::array kTable = {
     LimitEntry{"max-vertices", &ServerLimits::max_vertices, "vertices", "Vertices of a job's mesh",
@@ -31,12 +32,27 @@ constexpr std::array kTable = {
     LimitEntry{"max-total-bytes", &ServerLimits::max_total_bytes, "bytes",
                "Memory that all jobs on the server may need together, by the same estimate", 1,
                kMostBytes},
-    LimitEntry{"workers", &ServerLimits::workers, "jobs", "Jobs that are computed at a time", 1,
-               1024},
+    LimitEntry{
+        "interactive-milliseconds", &ServerLimits::interactive_milliseconds, "milliseconds",
+        "Processor time, as estimated, of jobs that go to the interactive lane; others go to "
+        "the batch lane",
+        0, kMostMilliseconds},
+    LimitEntry{"workers", &ServerLimits::workers, "jobs",
+               "Jobs of each lane that are computed at a time", 1, 1024},
     LimitEntry{"queue-length", &ServerLimits::queue_length, "jobs",
-               "Jobs that wait beside those being computed; the next one is refused", 0, 1'000'000},
+               "Jobs of each lane that wait beside them; the next one is refused", 0, 1'000'000},
+    LimitEntry{"queue-bytes", &ServerLimits::queue_bytes, "bytes",
+               "Memory that the waiting jobs of each lane may need, as estimated", 1, kMostBytes},
+    LimitEntry{"queue-milliseconds", &ServerLimits::queue_milliseconds, "milliseconds",
+               "Processor time that the waiting jobs of each lane may take, as estimated", 1,
+               kMostMilliseconds},
+    LimitEntry{"queue-seconds", &ServerLimits::queue_seconds, "seconds",
+               "Time that a job waits at the most; after half of it, it goes before all others", 1,
+               kDay},
     LimitEntry{"max-uploads", &ServerLimits::max_uploads, "jobs",
                "Jobs whose meshes arrive at a time; the next one is refused", 1, 1'000'000},
+    LimitEntry{"max-connections", &ServerLimits::max_connections, "connections",
+               "Connections at a time; the next one is closed", 1, 1'000'000},
     LimitEntry{"max-streams", &ServerLimits::max_streams, "streams",
                "Calls at a time on one connection", 1, 100'000},
     LimitEntry{"max-message-bytes", &ServerLimits::max_message_bytes, "bytes",
@@ -49,6 +65,15 @@ constexpr std::array kTable = {
                "What a client that uploads has to send, and one that is answered to take, on "
                "average over stall-seconds; 0 is no demand",
                0, std::uint64_t{1} << 40},
+    LimitEntry{"stream-seconds", &ServerLimits::stream_seconds, "seconds",
+               "Time that a call may take in all; 0 is any", 0, 365 * kDay},
+    LimitEntry{"connection-idle-seconds", &ServerLimits::connection_idle_seconds, "seconds",
+               "Time without a call after which a connection is ended", 1, 365 * kDay},
+    LimitEntry{
+        "stuck-seconds", &ServerLimits::stuck_seconds, "seconds",
+        "Time that a job may run on after it was told to stop; longer, and its worker counts "
+        "as stuck: a lane without others fails the health service \"liveness\"",
+        1, kDay},
     LimitEntry{"drain-seconds", &ServerLimits::drain_seconds, "seconds",
                "Time that jobs have to finish after SIGTERM or SIGINT", 0, kDay},
     LimitEntry{

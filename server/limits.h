@@ -18,14 +18,22 @@ struct ServerLimits {
   std::uint64_t max_mesh_bytes = std::uint64_t{2} << 30;
   std::uint64_t max_job_bytes = std::uint64_t{8} << 30;
   std::uint64_t max_total_bytes = std::uint64_t{16} << 30;
+  std::uint64_t interactive_milliseconds = 100;
   std::uint64_t workers = 2;
   std::uint64_t queue_length = 64;
+  std::uint64_t queue_bytes = std::uint64_t{8} << 30;
+  std::uint64_t queue_milliseconds = 600'000;
+  std::uint64_t queue_seconds = 60;
   // Twice max_streams, so that one connection cannot take them all.
   std::uint64_t max_uploads = 128;
+  std::uint64_t max_connections = 1000;
   std::uint64_t max_streams = 64;
   std::uint64_t max_message_bytes = std::uint64_t{2} << 20;
   std::uint64_t stall_seconds = 60;
   std::uint64_t min_bytes_per_second = std::uint64_t{32} << 10;
+  std::uint64_t stream_seconds = 3600;
+  std::uint64_t connection_idle_seconds = 600;
+  std::uint64_t stuck_seconds = 30;
   std::uint64_t drain_seconds = 30;
   std::uint64_t max_connection_age = 0;
 };

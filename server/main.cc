@@ -42,9 +42,26 @@ void AddFlags(CLI::App* app, Flags* flags) {
   app->add_option("--listen", flags->server.listen, "HOST:PORT to listen on; port 0 is a free one")
       ->capture_default_str();
   app->add_flag("--insecure", flags->server.insecure,
-                "Allow --listen on addresses that other machines can reach: nothing is encrypted");
+                "Allow --listen without --tls-cert, and --metrics-listen, on addresses that other "
+                "machines can reach");
+  app->add_option("--tls-cert", flags->server.tls.certificate,
+                  "Certificate chain of the server, PEM; with it, only TLS is spoken. Read again "
+                  "when it changes, as the other files here")
+      ->type_name("FILE");
+  app->add_option("--tls-key", flags->server.tls.key, "Its private key, PEM")->type_name("FILE");
+  app->add_option("--tls-client-ca", flags->server.tls.client_authorities,
+                  "Authorities that clients' certificates must come from, PEM; with it, every "
+                  "client needs one")
+      ->type_name("FILE");
+  app->add_option("--token-file", flags->server.token_file,
+                  "Bearer tokens, one of which every call needs, but for health and reflection: "
+                  "lines of TOKEN or NAME TOKEN")
+      ->type_name("FILE");
   app->add_option("--port-file", flags->port_file,
                   "File that the port is written to once the server serves");
+  app->add_option("--metrics-listen", flags->server.metrics_listen,
+                  "HOST:PORT to serve Prometheus metrics on, by http at /metrics; not encrypted")
+      ->type_name("HOST:PORT");
   app->add_option("--threads", flags->server.threads,
                   "Threads that jobs are computed on; 0 is as many as there are processors, within "
                   "the CPU quota")
@@ -127,6 +144,7 @@ int Run(const Flags& flags, const sigset_t& signals) {
   (*log)->Info(LogLine("listening")
                    .Add("address", options.listen)
                    .Add("port", static_cast<std::uint64_t>((*server)->port()))
+                   .Add("metrics_port", static_cast<std::uint64_t>((*server)->metrics_port()))
                    .Add("threads", static_cast<std::uint64_t>((*server)->threads()))
                    .Add("version", LIMN_VERSION));
   if (!flags.port_file.empty() && !WritePortFile(flags.port_file, (*server)->port())) {

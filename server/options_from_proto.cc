@@ -88,6 +88,8 @@ absl::StatusOr<std::optional<FirstRule>> RuleFromProto(v1::SolveOptions::Rule ru
       return FirstRule::kStandard;
     case v1::SolveOptions::RULE_BILINEAR_FIRST_STEP:
       return FirstRule::kBilinear;
+    case v1::SolveOptions::RULE_FEATURE_VALUES:
+      return FirstRule::kFeatures;
     default:
       return UnknownValue("solve.rule", rule);
   }
@@ -177,6 +179,15 @@ absl::Status CheckHolesTravel(const v1::OutputOptions& output, const JobSpec& sp
                  "Use MESH_ENCODING_PACKED for surfaces with holes");
 }
 
+absl::Status CheckRepairWithFeatures(const v1::OutputOptions& output, const JobSpec& spec) {
+  const std::optional<FeatureValues>& features = spec.engine.constraints.features;
+  if (!output.repair() || !features.has_value() || !features->names_elements()) {
+    return absl::OkStatus();
+  }
+  return Invalid("output.repair", "repair gives faces other numbers, which feature values name",
+                 "Leave it off, and send a mesh that is repaired already");
+}
+
 void ReadOutput(const v1::OutputOptions& output, JobSpec* spec) {
   spec->send_control_mesh = output.control_mesh();
   spec->send_surface = output.surface();
@@ -237,6 +248,7 @@ absl::StatusOr<JobSpec> JobSpecFromProto(const v1::InterpolateHeader& header) {
   LIMN_RETURN_IF_ERROR(CheckOutput(header.output()));
   ReadOutput(header.output(), &spec);
   LIMN_RETURN_IF_ERROR(CheckHolesTravel(header.output(), spec));
+  LIMN_RETURN_IF_ERROR(CheckRepairWithFeatures(header.output(), spec));
   LIMN_RETURN_IF_ERROR(ValidateSchemeOptions(spec.engine));
   if (header.has_filter()) LIMN_RETURN_IF_ERROR(ReadFilter(header.filter(), &spec));
   return spec;
@@ -299,6 +311,8 @@ v1::SolveOptions::Rule RuleToProto(FirstRule rule) {
       return v1::SolveOptions::RULE_STANDARD;
     case FirstRule::kBilinear:
       return v1::SolveOptions::RULE_BILINEAR_FIRST_STEP;
+    case FirstRule::kFeatures:
+      return v1::SolveOptions::RULE_FEATURE_VALUES;
   }
   return v1::SolveOptions::RULE_UNSPECIFIED;
 }

@@ -6,17 +6,25 @@
 #include <grpcpp/health_check_service_interface.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <climits>
 #include <condition_variable>
+#include <future>
 #include <mutex>
 #include <thread>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
+#include "engine/base/guard.h"
+#include "engine/interpolate.h"
+#include "engine/mesh/generate.h"
 #include "server/limn_service.h"
 #include "server/listen_address.h"
+#include "server/listener.h"
 #include "server/machine_limits.h"
+#include "server/metrics.h"
 #include "server/service_core.h"
 
 namespace limn {
@@ -33,10 +41,18 @@ constexpr std::chrono::milliseconds kLastCalls(500);
 // For work of ended streams to see that it is to stop.
 constexpr std::chrono::seconds kLastWork(2);
 constexpr int kSecond = 1000;
+// Large jobs let small ones go first where processors are scarce.
+constexpr int kBatchNiceness = 10;
 
 absl::Status CheckOptions(const ServerOptions& options) {
   if (!options.listen.empty()) {
-    LIMN_RETURN_IF_ERROR(CheckListenAddress(options.listen, options.insecure));
+    const bool encrypted = !options.tls.certificate.empty();
+    LIMN_RETURN_IF_ERROR(CheckListenAddress(options.listen, options.insecure || encrypted));
+  }
+  LIMN_RETURN_IF_ERROR(CheckTlsFiles(options.tls));
+  if (!options.metrics_listen.empty()) {
+    LIMN_RETURN_IF_ERROR(
+        CheckListenAddress(options.metrics_listen, options.insecure, "metrics-listen"));
   }
   if (options.threads < 0 || options.threads > kMostThreads) {
     return MakeError(
@@ -54,12 +70,19 @@ absl::Status CheckOptions(const ServerOptions& options) {
   return absl::OkStatus();
 }
 
+int Milliseconds(std::uint64_t seconds) {
+  return static_cast<int>(std::min<std::uint64_t>(seconds, std::uint64_t{INT_MAX} / kSecond)) *
+         kSecond;
+}
+
 void SetChannelArguments(const ServerLimits& limits, grpc::ServerBuilder* builder) {
   builder->SetMaxReceiveMessageSize(static_cast<int>(limits.max_message_bytes));
   builder->AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,
                               static_cast<int>(limits.max_streams));
-  // Two servers on one port would share the connections in silence.
-  builder->AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  builder->AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS,
+                              Milliseconds(limits.connection_idle_seconds));
+  // For who connects and says nothing.
+  builder->AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 20 * kSecond);
   // Probing grows the windows to megabytes per stream, which nobody has admitted; a fixed window
   // bounds what slow readers and fast writers cost.
   builder->AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
@@ -70,9 +93,8 @@ void SetChannelArguments(const ServerLimits& limits, grpc::ServerBuilder* builde
   builder->AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 10 * kSecond);
   builder->AddChannelArgument(GRPC_ARG_HTTP2_MAX_PING_STRIKES, 3);
   if (limits.max_connection_age > 0) {
-    const std::uint64_t age =
-        std::min<std::uint64_t>(limits.max_connection_age, std::uint64_t{INT_MAX} / kSecond);
-    builder->AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_MS, static_cast<int>(age) * kSecond);
+    builder->AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_MS,
+                                Milliseconds(limits.max_connection_age));
   }
   // Compressed messages are refused: they hide their size, and meshes have codecs of their own.
   builder->SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);
@@ -82,33 +104,135 @@ void SetChannelArguments(const ServerLimits& limits, grpc::ServerBuilder* builde
 }  // namespace
 
 struct Server::Impl {
-  Impl(const ServerLimits& limits, int threads, std::shared_ptr<Log> log)
-      : core(limits, threads, std::move(log)), service(core) {}
+  Impl(const ServerOptions& options, int threads)
+      : core(options.limits, threads, options.listen.empty() ? 0 : kBatchNiceness,
+             options.log != nullptr ? options.log : Log::Null()),
+        service(core) {}
 
-  void WatchStalls();
+  void Watch();
+  void RefreshFiles();
+  void WatchLanes();
+  ServerSample Sample();
+  absl::Status WarmUp();
+  absl::Status Listen(const ServerOptions& options, grpc::ServerBuilder* builder);
   void SetServing(bool serving);
   void Shutdown(std::chrono::milliseconds patience);
 
   ServiceCore core;
   LimnService service;
-  int port = 0;
+  // Null: nothing is encrypted.
+  std::unique_ptr<TlsIdentity> tls;
+  // Before the server, which has to go first.
+  std::unique_ptr<Listener> listener;
+  std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor;
   std::unique_ptr<grpc::Server> grpc_server;
+  int metrics_port = 0;
+  // Interactive and batch, for the watching thread.
+  std::array<bool, 2> lanes_live{true, true};
+  std::atomic<bool> live{true};
+  std::atomic<std::int64_t> certificate_expiry{0};
 
   std::mutex mutex;
   std::condition_variable stopping;
   bool stopped = false;
-  std::thread stall_watch;
+  std::thread watch;
   std::once_flag shutdown_once;
   bool idle = false;
 };
 
-void Server::Impl::WatchStalls() {
+// Four times a second.
+void Server::Impl::Watch() {
   std::unique_lock lock(mutex);
   while (!stopping.wait_for(lock, kStallCheckInterval, [this] { return stopped; })) {
     lock.unlock();
     const Clock::time_point now = Clock::now();
     core.streams.ForEach([now](OpenStream& stream) { stream.CheckStall(now); });
+    RefreshFiles();
+    WatchLanes();
     lock.lock();
+  }
+}
+
+// A worker that does not come back is lost until the process ends; a lane that has lost all of them
+// will never run a job again.
+void Server::Impl::WatchLanes() {
+  const Clock::time_point since = Clock::now() - std::chrono::seconds(core.limits.stuck_seconds);
+  bool all_live = true;
+  for (std::size_t i = 0; i < lanes_live.size(); ++i) {
+    const Lane& lane = i == 0 ? core.lanes.interactive : core.lanes.batch;
+    const std::uint64_t stuck = lane.StuckJobs(since);
+    const bool lane_live = stuck < lane.workers();
+    all_live = all_live && lane_live;
+    if (std::exchange(lanes_live[i], lane_live) == lane_live) continue;
+    core.log->Error(LogLine(lane_live ? "lane_recovered" : "lane_stuck")
+                        .Add("lane", lane.name())
+                        .Add("stuck_jobs", stuck)
+                        .Add("workers", lane.workers()));
+  }
+  if (live.exchange(all_live) == all_live) return;
+  SetServing(all_live && !core.draining.load());
+}
+
+ServerSample Server::Impl::Sample() {
+  ServerSample sample{.draining = core.draining.load(),
+                      .live = live.load(),
+                      .streams = core.streams.size(),
+                      .connections = listener != nullptr ? listener->Connections() : 0,
+                      .uploads = core.admission.uploads(),
+                      .reserved_bytes = core.admission.reserved_bytes()};
+  if (tls != nullptr) sample.certificate_expiry = certificate_expiry.load();
+  const Clock::time_point since = Clock::now() - std::chrono::seconds(core.limits.stuck_seconds);
+  for (const Lane* lane : {&core.lanes.interactive, &core.lanes.batch}) {
+    const Lane::Load load = lane->load();
+    sample.lanes.push_back({.name = lane->name(),
+                            .waiting = load.waiting,
+                            .waiting_milliseconds = load.waiting_milliseconds,
+                            .running = load.running,
+                            .stuck = lane->StuckJobs(since)});
+  }
+  return sample;
+}
+
+// The first job of a process takes longer than those after it: pages of code and heap, threads.
+absl::Status Server::Impl::WarmUp() {
+  for (Lane* lane : {&core.lanes.interactive, &core.lanes.batch}) {
+    LIMN_ASSIGN_OR_RETURN(Lane::Place place, lane->Reserve());
+    std::promise<absl::Status> done;
+    place.Post([&done] {
+      done.set_value(Guarded("warming up", Reason::kInternal, []() -> absl::Status {
+        LIMN_ASSIGN_OR_RETURN(const PolygonMesh mesh,
+                              GenerateMesh({.kind = MeshKind::kIrregularSphere, .vertices = 500}));
+        return Interpolate(Context{}, mesh, {.level = 2, .normals = true}).status();
+      }));
+    });
+    LIMN_RETURN_IF_ERROR(done.get_future().get());
+  }
+  return absl::OkStatus();
+}
+
+// What is listened on; connections are taken from Listener::Start on.
+absl::Status Server::Impl::Listen(const ServerOptions& options, grpc::ServerBuilder* builder) {
+  if (options.listen.empty()) return absl::OkStatus();
+  LIMN_ASSIGN_OR_RETURN(listener, Listener::Bind(options.listen, options.limits.max_connections));
+  using Type = grpc::ServerBuilder::experimental_type::ExternalConnectionType;
+  acceptor = builder->experimental().AddExternalConnectionAcceptor(
+      Type::FROM_FD, tls == nullptr ? grpc::InsecureServerCredentials() : tls->Credentials());
+  return absl::OkStatus();
+}
+
+void Server::Impl::RefreshFiles() {
+  const auto report = [this](const absl::StatusOr<bool>& changed, const std::string& what) {
+    if (!changed.ok()) {
+      core.log->Error(
+          LogLine(what + "_not_read").Add("message", std::string(changed.status().message())));
+    } else if (*changed) {
+      core.log->Info(LogLine(what + "_read"));
+    }
+  };
+  if (core.tokens != nullptr) report(core.tokens->Refresh(), "tokens");
+  if (tls != nullptr) {
+    report(tls->Refresh(), "certificates");
+    certificate_expiry.store(tls->expiry());
   }
 }
 
@@ -117,6 +241,8 @@ void Server::Impl::SetServing(bool serving) {
   if (health == nullptr) return;
   health->SetServingStatus(serving);
   health->SetServingStatus(v1::LimnService::service_full_name(), serving);
+  // Not to be restarted because it drains.
+  health->SetServingStatus("liveness", live.load());
 }
 
 void Server::Impl::Shutdown(std::chrono::milliseconds patience) {
@@ -130,6 +256,7 @@ void Server::Impl::Shutdown(std::chrono::milliseconds patience) {
     core.streams.ForEach([&](OpenStream& stream) { stream.Stop(status); });
     (void)core.streams.WaitUntilEmpty(Clock::now() + kFarewell);
   }
+  if (listener != nullptr) listener->Stop();
   // What is still open then is cancelled by gRPC, which every stream answers at once.
   grpc_server->Shutdown(std::chrono::system_clock::now() + kLastCalls);
   grpc_server->Wait();
@@ -138,33 +265,51 @@ void Server::Impl::Shutdown(std::chrono::milliseconds patience) {
     stopped = true;
   }
   stopping.notify_all();
-  stall_watch.join();
+  watch.join();
+  core.metrics.StopListening();
   idle = core.StopUntil(Clock::now() + kLastWork);
 }
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& options) {
   LIMN_RETURN_IF_ERROR(CheckOptions(options));
   const int threads = options.threads == 0 ? CpuLimit() : options.threads;
-  auto impl = std::make_unique<Impl>(options.limits, threads,
-                                     options.log != nullptr ? options.log : Log::Null());
+  auto impl = std::make_unique<Impl>(options, threads);
+
+  if (!options.token_file.empty()) {
+    LIMN_ASSIGN_OR_RETURN(impl->core.tokens, Tokens::Load(options.token_file));
+  }
+
+  if (!options.tls.certificate.empty()) {
+    LIMN_ASSIGN_OR_RETURN(impl->tls, TlsIdentity::Load(options.tls));
+    impl->certificate_expiry.store(impl->tls->expiry());
+  }
+  // Those inside a program may as well take their first job cold.
+  if (!options.listen.empty()) LIMN_RETURN_IF_ERROR(impl->WarmUp());
 
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
   builder.RegisterService(&impl->service);
   SetChannelArguments(options.limits, &builder);
-  if (!options.listen.empty()) {
-    builder.AddListeningPort(options.listen, grpc::InsecureServerCredentials(), &impl->port);
-  }
+  LIMN_RETURN_IF_ERROR(impl->Listen(options, &builder));
   impl->grpc_server = builder.BuildAndStart();
-  if (impl->grpc_server == nullptr || (!options.listen.empty() && impl->port == 0)) {
-    return MakeError(absl::StrCat("cannot listen on ", options.listen),
-                     {.reason = Reason::kUnreachable,
-                      .field = "listen",
-                      .remedy = "Is the port taken? Port 0 picks a free one"});
+  if (impl->grpc_server == nullptr) {
+    return MakeError("gRPC does not start", {.reason = Reason::kInternal});
+  }
+  impl->core.metrics.SetSampler([raw = impl.get()] { return raw->Sample(); });
+  if (!options.metrics_listen.empty()) {
+    LIMN_ASSIGN_OR_RETURN(impl->metrics_port, impl->core.metrics.Listen(options.metrics_listen));
   }
   impl->SetServing(true);
-  impl->stall_watch = std::thread([raw = impl.get()] { raw->WatchStalls(); });
+  if (impl->listener != nullptr) {
+    impl->listener->Start([raw = impl.get()](int listener, int fd) {
+      grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
+      connection.listener_fd = listener;
+      connection.fd = fd;
+      raw->acceptor->HandleNewConnection(&connection);
+    });
+  }
+  impl->watch = std::thread([raw = impl.get()] { raw->Watch(); });
   return std::unique_ptr<Server>(new Server(std::move(impl)));
 }
 
@@ -172,7 +317,11 @@ Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 Server::~Server() { Shutdown(std::chrono::milliseconds(0)); }
 
-int Server::port() const { return impl_->port; }
+int Server::port() const { return impl_->listener != nullptr ? impl_->listener->port() : 0; }
+
+int Server::metrics_port() const { return impl_->metrics_port; }
+
+std::string Server::MetricsText() const { return impl_->core.metrics.Text(); }
 
 int Server::threads() const { return impl_->core.threads; }
 

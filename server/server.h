@@ -9,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "server/limits.h"
 #include "server/log.h"
+#include "server/tls.h"
 
 namespace grpc {
 class Channel;
@@ -19,8 +20,15 @@ namespace limn {
 struct ServerOptions {
   // HOST:PORT to listen on, port 0 for a free one; empty for in-process channels only.
   std::string listen;
-  // Allow addresses that other machines can reach, though nothing is encrypted.
+  // Allow addresses that other machines can reach though nothing is encrypted.
   bool insecure = false;
+  // With a certificate, what is listened on speaks TLS only.
+  TlsFiles tls;
+  // File of bearer tokens, one of which every call of LimnService needs; see Tokens. It is read
+  // again when it changes. Empty: calls need none. Health and reflection are open to everybody.
+  std::string token_file;
+  // HOST:PORT of the metrics' own port, as `listen`; never encrypted. Empty: none.
+  std::string metrics_listen;
   // Threads that jobs are computed on, 0 to 1,024; 0 is CpuLimit().
   int threads = 0;
   ServerLimits limits;
@@ -31,8 +39,8 @@ struct ServerOptions {
 // Thread-safe.
 class Server {
  public:
-  // Serves when it returns. Errors: INVALID_OPTION naming the flag; UNREACHABLE when the address
-  // is not to be had.
+  // Serves when it returns, warmed up: every lane has computed a small job. Errors: INVALID_OPTION
+  // naming the flag; UNREACHABLE when the address is not to be had.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerOptions& options);
 
   // Shuts down without waiting for jobs. What Shutdown calls left over is waited for.
@@ -42,6 +50,12 @@ class Server {
 
   // The port listened on; 0 without one.
   int port() const;
+
+  // The port of the metrics; 0 without one.
+  int metrics_port() const;
+
+  // All metrics, in Prometheus' text format.
+  std::string MetricsText() const;
 
   // Threads that jobs are computed on.
   int threads() const;

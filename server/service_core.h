@@ -11,34 +11,47 @@
 #include "server/lane.h"
 #include "server/limits.h"
 #include "server/log.h"
+#include "server/metrics.h"
 #include "server/stream_registry.h"
-#include "server/worker_threads.h"
+#include "server/tokens.h"
 
 namespace limn {
 
+[[nodiscard]] inline LaneOptions LaneFrom(const ServerLimits& limits, const char* name, int threads,
+                                          int niceness) {
+  return {.name = name,
+          .workers = limits.workers,
+          .queue_length = limits.queue_length,
+          .queue_bytes = limits.queue_bytes,
+          .queue_milliseconds = limits.queue_milliseconds,
+          .threads = threads,
+          .niceness = niceness,
+          .patience = std::chrono::milliseconds(500 * limits.queue_seconds)};
+}
+
 struct ServiceCore {
-  ServiceCore(const ServerLimits& server_limits, int thread_count, std::shared_ptr<Log> server_log)
+  // batch_niceness: of the threads of the batch lane.
+  ServiceCore(const ServerLimits& server_limits, int thread_count, int batch_niceness,
+              std::shared_ptr<Log> server_log)
       : limits(server_limits),
         threads(thread_count),
         log(std::move(server_log)),
-        delivery(static_cast<int>(server_limits.workers), nullptr),
-        lane({.name = "jobs",
-              .workers = server_limits.workers,
-              .queue_length = server_limits.queue_length,
-              .threads = thread_count}),
-        admission(limits, lane) {}
+        lanes{.interactive = Lane(LaneFrom(server_limits, "interactive", thread_count, 0)),
+              .batch = Lane(LaneFrom(server_limits, "batch", thread_count, batch_niceness)),
+              .interactive_milliseconds = server_limits.interactive_milliseconds},
+        admission(limits, lanes) {}
 
   // Waits for the threads: what they run uses everything here.
   ~ServiceCore() {
-    lane.Stop();
-    delivery.Stop();
+    lanes.interactive.Stop();
+    lanes.batch.Stop();
   }
 
   // Ends the threads, after what was posted has run, and waits for them until then. False: some
   // still run. No stream may be open.
   [[nodiscard]] bool StopUntil(std::chrono::steady_clock::time_point until) {
-    const bool lane_ended = lane.StopUntil(until);
-    return delivery.StopUntil(until) && lane_ended;
+    const bool ended = lanes.interactive.StopUntil(until);
+    return lanes.batch.StopUntil(until) && ended;
   }
 
   const ServerLimits limits;
@@ -47,12 +60,11 @@ struct ServiceCore {
   const std::shared_ptr<Log> log;
   // Set: new jobs are refused.
   std::atomic<bool> draining{false};
+  // Null: calls need none. Set before the first call.
+  std::unique_ptr<Tokens> tokens;
   StreamRegistry streams;
-  // Make the messages of answers, one task per stream at a time, each a tile or a chunk at the
-  // most: short tasks, so that no answer waits long behind another. Not the lane's threads: a
-  // finished job's answer must not wait behind another job.
-  WorkerThreads delivery;
-  Lane lane;
+  Metrics metrics;
+  Lanes lanes;
   Admission admission;
 };
 

@@ -1,25 +1,29 @@
 // SPDX-License-Identifier: MIT
 #include "server/worker_threads.h"
 
-#include <algorithm>
+#include <sys/resource.h>
+
+#include <optional>
 #include <utility>
 
 namespace limn {
 
-WorkerThreads::WorkerThreads(int count, std::shared_ptr<ThreadArena> arena)
-    : arena_(std::move(arena)), alive_(count) {
-  threads_.reserve(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i) threads_.emplace_back([this] { Run(); });
+WorkerThreads::WorkerThreads(const Options& options)
+    : options_(options), queue_(options.patience), alive_(options.count) {
+  threads_.reserve(static_cast<std::size_t>(options.count));
+  for (int i = 0; i < options.count; ++i) threads_.emplace_back([this] { Run(); });
 }
 
 WorkerThreads::~WorkerThreads() { Stop(); }
 
-WorkerThreads::TaskId WorkerThreads::Post(Task task) {
+WorkerThreads::TaskId WorkerThreads::Post(Task task, const std::string& client,
+                                          std::uint64_t cost) {
   TaskId id = 0;
   {
     const std::lock_guard lock(mutex_);
     id = ++last_id_;
-    tasks_.push_back({id, std::move(task)});
+    tasks_.emplace(id, std::move(task));
+    queue_.Push(id, client, cost, FairQueue::Clock::now());
   }
   posted_.notify_one();
   return id;
@@ -29,12 +33,11 @@ bool WorkerThreads::Remove(TaskId id) {
   // Destroyed after the lock is gone: what the task holds may want to post or remove in turn.
   Task removed;
   const std::lock_guard lock(mutex_);
-  const auto at = std::find_if(tasks_.begin(), tasks_.end(),
-                               [id](const Entry& entry) { return entry.id == id; });
+  const auto at = tasks_.find(id);
   if (at == tasks_.end()) return false;
-  removed = std::move(at->task);
+  removed = std::move(at->second);
   tasks_.erase(at);
-  return true;
+  return queue_.Remove(id);
 }
 
 bool WorkerThreads::StopUntil(std::chrono::steady_clock::time_point until) {
@@ -52,20 +55,28 @@ void WorkerThreads::Stop() {
 }
 
 void WorkerThreads::Run() {
+  if (options_.niceness > 0) {
+    // On Linux the nice value is one thread's, and 0 stands for the caller. Nobody is worse off
+    // where it fails.
+    const int now = getpriority(PRIO_PROCESS, 0);
+    (void)setpriority(PRIO_PROCESS, 0, now + options_.niceness);
+  }
   ThreadArena serial(1);
-  ThreadArena& arena = arena_ != nullptr ? *arena_ : serial;
+  ThreadArena& arena = options_.arena != nullptr ? *options_.arena : serial;
   for (;;) {
     Task task;
     {
       std::unique_lock lock(mutex_);
-      posted_.wait(lock, [this] { return stopping_ || !tasks_.empty(); });
-      if (tasks_.empty()) {
+      posted_.wait(lock, [this] { return stopping_ || !queue_.empty(); });
+      const std::optional<FairQueue::Id> next = queue_.Pop(FairQueue::Clock::now());
+      if (!next.has_value()) {
         --alive_;
         ended_.notify_all();
         return;
       }
-      task = std::move(tasks_.front().task);
-      tasks_.pop_front();
+      const auto at = tasks_.find(*next);
+      task = std::move(at->second);
+      tasks_.erase(at);
     }
     arena.Execute(task);
   }

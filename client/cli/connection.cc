@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <cstdlib>
 #include <string_view>
 #include <utility>
 
@@ -43,6 +44,11 @@ std::string CheckDeadline(const std::string& text) {
   return {};
 }
 
+// What gRPC takes as the value of metadata.
+bool IsMetadata(std::string_view text) {
+  return std::all_of(text.begin(), text.end(), [](char c) { return c > 0x20 && c < 0x7f; });
+}
+
 // One's own machine needs no protection from oneself, except from jobs that cannot fit into it. A
 // third of the memory is left to the client's own copy of mesh and answer.
 ServerLimits EmbeddedLimits() {
@@ -57,6 +63,8 @@ ServerLimits EmbeddedLimits() {
       limits.*entry.value = entry.least;
     }
   }
+  // What a job of one's own takes, it takes.
+  limits.stream_seconds = 0;
   return limits;
 }
 
@@ -68,6 +76,16 @@ void AddConnectionFlags(CLI::App& app, ConnectionOptions* options) {
                      "Server to send the job to; without, the job runs inside this process")
           ->check(CLI::Validator(CheckServerAddress, "", "address"))
           ->type_name("HOST:PORT");
+  const auto add_file = [&](const char* flag, std::string* file, const char* help) {
+    app.add_option(flag, *file, help)->needs(server)->type_name("FILE");
+  };
+  add_file("--tls-ca", &options->security.ca_file,
+           "Speak TLS with it: authorities that its certificate must come from, PEM");
+  add_file("--tls-cert", &options->security.certificate_file,
+           "Certificate to show it, PEM; needs --tls-key");
+  add_file("--tls-key", &options->security.key_file, "The certificate's private key, PEM");
+  add_file("--token-file", &options->security.token_file,
+           "Bearer token to show it; only sent over TLS or to this machine");
   app.add_option("--threads", options->threads,
                  "Threads to compute on, without --server [one per processor]")
       ->check(CLI::Range(1, 1024))
@@ -79,9 +97,15 @@ void AddConnectionFlags(CLI::App& app, ConnectionOptions* options) {
 }
 
 absl::StatusOr<Connection> Connection::Open(const ConnectionOptions& options) {
-  const ClientOptions client_options = {.deadline_seconds = options.deadline_seconds.value_or(0)};
+  ClientOptions client_options = {.deadline_seconds = options.deadline_seconds.value_or(0)};
+  // W3C Trace Context by the environment, as other command lines take it.
+  if (const char* trace = std::getenv("TRACEPARENT"); trace != nullptr && IsMetadata(trace)) {
+    client_options.metadata.emplace_back("traceparent", trace);
+  }
   if (!options.server.empty()) {
-    return Connection(nullptr, Client::Connect(options.server, client_options));
+    LIMN_ASSIGN_OR_RETURN(
+        Client client, Client::ConnectSecurely(options.server, options.security, client_options));
+    return Connection(nullptr, std::move(client));
   }
   ServerOptions server_options;
   server_options.threads = options.threads;

@@ -21,16 +21,18 @@ struct ConnectionOptions {
   int threads = 0;
   // Seconds that a job may take. Absent: any time.
   std::optional<double> deadline_seconds;
+  ClientSecurity security;
 };
 
-// Adds --server, --threads and --deadline.
+// Adds --server, what goes with it, --threads and --deadline.
 void AddConnectionFlags(CLI::App& app, ConnectionOptions* options);
 
 // A client and, when it is embedded, the server behind it: the same service, over a channel inside
 // the process instead of a port.
 class Connection {
  public:
-  // Errors: those of Server::Start. A server elsewhere is not looked for before the first job.
+  // Errors: those of Server::Start and of Client::ConnectSecurely. A server elsewhere is not looked
+  // for before the first job.
   [[nodiscard]] static absl::StatusOr<Connection> Open(const ConnectionOptions& options);
 
   const Client& client() const { return client_; }

@@ -12,7 +12,7 @@ namespace limn::cli {
 void AddConstraintsFlag(CLI::App& app, std::string* path) {
   app.add_option("--constraints", *path,
                  "What the surface meets, as JSON of limn.v1.Constraints: which vertices to "
-                 "interpolate, normals, shape handles [all vertices]")
+                 "interpolate, normals, shape handles, feature values [all vertices]")
       ->type_name("FILE.json");
 }
 
@@ -25,6 +25,13 @@ absl::StatusOr<v1::Constraints> ParseConstraints(const std::string& json, const 
 absl::StatusOr<v1::Constraints> ReadConstraintsFile(const std::string& path) {
   LIMN_ASSIGN_OR_RETURN(const std::string text, ReadTextFile(path));
   return ParseConstraints(text, path);
+}
+
+absl::StatusOr<v1::FeatureValues> ReadFeaturesFile(const std::string& path) {
+  LIMN_ASSIGN_OR_RETURN(const std::string text, ReadTextFile(path));
+  v1::FeatureValues features;
+  LIMN_RETURN_IF_ERROR(ParseMessage(text, {.path = path, .field = "features"}, &features));
+  return features;
 }
 
 absl::Status NameConstraintsFile(const absl::Status& status, const std::string& path) {

@@ -29,6 +29,11 @@ void AddConstraintsFlag(CLI::App& app, std::string* path);
 // MALFORMED_FILE for files above 256 MiB.
 [[nodiscard]] absl::StatusOr<v1::Constraints> ReadConstraintsFile(const std::string& path);
 
+// The same for feature values alone, limn.v1.FeatureValues, such as
+//   {"defaultEdge": 0.3, "faces": [{"face": 4, "kind": "FACE_KIND_PLANE"}],
+//    "edges": [{"from": 0, "to": 1, "face": 2, "value": 0}], "vertices": [{"vertex": 7}]}
+[[nodiscard]] absl::StatusOr<v1::FeatureValues> ReadFeaturesFile(const std::string& path);
+
 // A job's error, with the file's name before it where it speaks of the constraints that came from
 // there: a refusal by their field, or that they do not fit a message. path: empty for none.
 [[nodiscard]] absl::Status NameConstraintsFile(const absl::Status& status, const std::string& path);

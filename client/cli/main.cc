@@ -44,6 +44,7 @@ ExitStatus Main(int argc, char** argv) {
   ExitStatus status = ExitStatus::kOk;
   AddInterpolateCommand(app, &status);
   AddFilterCommand(app, &status);
+  AddFeaturesCommand(app, &status);
   AddEvaluateCommand(app, &status);
   AddGenerateCommand(app, &status);
   AddInfoCommand(app, &status);

@@ -41,6 +41,8 @@ std::string RuleName(const v1::SolveReport& solve) {
       return "standard";
     case v1::SolveOptions::RULE_BILINEAR_FIRST_STEP:
       return absl::StrFormat("%.0f %% bilinear", 100 * solve.bilinear_share());
+    case v1::SolveOptions::RULE_FEATURE_VALUES:
+      return "feature values";
     default:
       return "other";
   }
@@ -139,7 +141,11 @@ std::string SummaryTable(const v1::Summary& summary) {
       table += Row("from the surface", absl::StrFormat("at most %.3g", summary.chord_bound()));
     }
   }
-  table += Row("sweeps", SolveText(summary.solve()));
+  if (summary.solve().rule() == v1::SolveOptions::RULE_FEATURE_VALUES) {
+    table += Row("first refinement", "by feature values, of the given mesh");
+  } else {
+    table += Row("sweeps", SolveText(summary.solve()));
+  }
   table += CertificateRows(summary.certificate());
   for (const v1::StageTime& stage : summary.stages()) {
     table += Row("  " + stage.stage(), absl::StrFormat("%10.3f ms", stage.milliseconds()));

@@ -45,6 +45,7 @@ constexpr std::array kReasons = {
                 absl::StatusCode::kInvalidArgument},
     ReasonEntry{Reason::kMalformedRequest, "MALFORMED_REQUEST", absl::StatusCode::kInvalidArgument},
     ReasonEntry{Reason::kMalformedFile, "MALFORMED_FILE", absl::StatusCode::kInvalidArgument},
+    ReasonEntry{Reason::kUnauthenticated, "UNAUTHENTICATED", absl::StatusCode::kUnauthenticated},
     ReasonEntry{Reason::kLimitExceeded, "LIMIT_EXCEEDED", absl::StatusCode::kResourceExhausted},
     ReasonEntry{Reason::kOutOfMemory, "OUT_OF_MEMORY", absl::StatusCode::kResourceExhausted},
     ReasonEntry{Reason::kCancelled, "CANCELLED", absl::StatusCode::kCancelled},
@@ -61,6 +62,8 @@ Reason ReasonOfCode(absl::StatusCode code) {
   switch (code) {
     case absl::StatusCode::kInvalidArgument:
       return Reason::kMalformedRequest;
+    case absl::StatusCode::kUnauthenticated:
+      return Reason::kUnauthenticated;
     case absl::StatusCode::kResourceExhausted:
       return Reason::kLimitExceeded;
     case absl::StatusCode::kCancelled:

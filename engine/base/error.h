@@ -32,6 +32,7 @@ enum class Reason {
   kMalformedEncoding,        // bytes that do not decode
   kMalformedRequest,         // messages out of order, missing or contradictory
   kMalformedFile,            // a file that does not parse
+  kUnauthenticated,          // kUnauthenticated: no credentials, or none that count
   // The caller's limits.
   kLimitExceeded,     // kResourceExhausted: larger than a configured limit
   kOutOfMemory,       // kResourceExhausted: the system has no more

@@ -115,7 +115,7 @@ absl::Status CheckSubset(const Context& context, const std::vector<Index>& verti
 absl::Status CheckNormals(const Context& context, const Constraints& constraints,
                           std::size_t vertex_count) {
   const std::optional<std::vector<Index>>& subset = constraints.interpolate;
-  std::vector<bool> free(vertex_count, !subset.has_value());
+  std::vector<bool> free(vertex_count, constraints.interpolates_all());
   if (subset.has_value()) {
     for (const Index v : *subset) free[v] = true;
   }

@@ -11,6 +11,7 @@
 #include "absl/status/status.h"
 #include "engine/base/context.h"
 #include "engine/base/vec3.h"
+#include "engine/constraints/feature_values.h"
 #include "engine/limit/surface_parameter.h"
 #include "engine/mesh/polygon_mesh.h"
 
@@ -65,9 +66,9 @@ struct SurfaceConstraint {
 };
 
 struct Constraints {
-  // Vertices to interpolate, each at most once, in any order. Absent: all of them. The others keep
-  // their given points as control points and only shape the surface. A corner of the boundary (a
-  // vertex of one face) is always met.
+  // Vertices to interpolate, each at most once, in any order. Absent: all of them, or none with
+  // feature values. The others keep their given points as control points and only shape the
+  // surface. A corner of the boundary (a vertex of one face) is always met.
   std::optional<std::vector<Index>> interpolate;
   // At most one per vertex, at interpolated vertices only.
   std::vector<NormalConstraint> normals;
@@ -80,6 +81,11 @@ struct Constraints {
   std::vector<CornerConstraint> corners;
   // Faces that support the surface but are not part of it. Catmull-Clark and Loop.
   std::vector<Index> holes;
+  // Instead of a solve and its first refinement; see engine/constraints/features.h, also for what
+  // becomes of the above. Doo-Sabin.
+  std::optional<FeatureValues> features;
+
+  bool interpolates_all() const { return !interpolate.has_value() && !features.has_value(); }
 };
 
 // Checks everything said above. Errors, each with the field's path in the contract's words, such as
@@ -88,7 +94,7 @@ struct Constraints {
 // handles that are not finite and positive; CANCELLED, DEADLINE_EXCEEDED. Cost: linear in the
 // constraints, and one bit a vertex. What is about edges and faces is checked when there is a
 // mesh: creases, corners and holes by engine/constraints/creases.h, surface_points by
-// engine/constraints/blend_targets.h. Thread-safe.
+// engine/constraints/blend_targets.h, feature values by MakeFeatureTable. Thread-safe.
 [[nodiscard]] absl::Status ValidateConstraints(const Context& context,
                                                const Constraints& constraints,
                                                std::size_t vertex_count);

@@ -70,6 +70,7 @@ class Renumberer {
     }
     LIMN_RETURN_IF_ERROR(RenumberCorners());
     LIMN_RETURN_IF_ERROR(RenumberHoles());
+    LIMN_RETURN_IF_ERROR(TakeFeatures());
     return std::move(result_);
   }
 
@@ -191,6 +192,18 @@ class Renumberer {
       if (is_hole[origin_.face[f]]) result_.holes.push_back(static_cast<Index>(f));
     }
     return context_.Check();
+  }
+
+  // Defaults need no numbers.
+  absl::Status TakeFeatures() {
+    result_.features = given_.features;
+    if (!given_.features.has_value() || !given_.features->names_elements()) {
+      return absl::OkStatus();
+    }
+    return MakeError("constraints.features: repair has given the elements other numbers",
+                     {.reason = Reason::kInvalidOption,
+                      .field = "constraints.features",
+                      .remedy = "Send the repaired mesh, or defaults only"});
   }
 
   const Context& context_;

@@ -6,10 +6,10 @@
 namespace limn {
 
 VertexPlan::VertexPlan(const Constraints& constraints, std::size_t vertex_count)
-    : all_(!constraints.interpolate.has_value()) {
+    : all_(constraints.interpolates_all()) {
   if (all_ && constraints.normals.empty() && constraints.shape_handles.empty()) return;
   flags_.assign(vertex_count, all_ ? kInterpolated : std::uint8_t{0});
-  if (!all_) {
+  if (constraints.interpolate.has_value()) {
     for (const Index v : *constraints.interpolate) flags_[v] = kInterpolated;
   }
   for (const NormalConstraint& normal : constraints.normals) {

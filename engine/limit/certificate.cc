@@ -44,10 +44,11 @@ double AngleBetweenLines(const Vec3& a, const Vec3& b) {
 
 CertificateBuilder::CertificateBuilder(Buffer<Vec3> targets, const Constraints& constraints)
     : targets_(std::move(targets)) {
-  const bool all = !constraints.interpolate.has_value();
+  const bool all = constraints.interpolates_all();
   distances_.resize(targets_.size(), all ? kUnchecked : kIgnored);
-  wanted_ = all ? targets_.size() : constraints.interpolate->size();
-  if (!all) {
+  if (all) wanted_ = targets_.size();
+  if (constraints.interpolate.has_value()) {
+    wanted_ = constraints.interpolate->size();
     for (const Index v : *constraints.interpolate) distances_[v] = kUnchecked;
   }
   normals_.reserve(constraints.normals.size());

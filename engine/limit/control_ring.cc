@@ -72,7 +72,7 @@ FaceAtCorner RingGatherer::BoundaryVertexFace(Index h) {
   const std::size_t m = mesh.valence(v);
   const Index* const fan = mesh.fan().data() + mesh.fan_begin()[v];
   const auto corner = [&](std::size_t j) { return surface_.corners[fan[j]]; };
-  return SeenFrom(large_faces_.PlaceInFan(h), 2 * m, known, [&](std::size_t j) {
+  return SeenFrom(large_faces_.PlaceInFan(h), curve.SidesAt(i, m), known, [&](std::size_t j) {
     if (j < m) return corner(j);
     if (j == m) return 2 * (curve.end[curve.previous[i]] - curve.origin) - corner(m - 1);
     return 2 * (curve.start[i] - curve.origin) - corner(0);

@@ -11,9 +11,12 @@ namespace limn {
 namespace {
 
 // Sides of the type-V face.
-std::size_t VertexSides(const HalfEdgeMesh& mesh, std::size_t v) {
-  const bool boundary = mesh.twin()[mesh.vertex_half_edge()[v]] == kNoIndex;
-  return boundary ? std::max<std::size_t>(4, 2 * mesh.valence(v)) : mesh.valence(v);
+std::size_t VertexSides(const DooSabinSurface& surface, std::size_t v) {
+  const HalfEdgeMesh& mesh = surface.mesh;
+  const std::size_t m = mesh.valence(v);
+  if (!mesh.IsBoundary(v)) return m;
+  if (surface.boundary.sharp.empty()) return std::max<std::size_t>(4, 2 * m);
+  return surface.boundary.SidesAt(surface.boundary.Find(mesh.vertex_half_edge()[v]), m);
 }
 
 Harmonics VertexHarmonics(const DooSabinSurface& surface, std::size_t v) {
@@ -38,7 +41,7 @@ absl::StatusOr<LargeFaces> LargeFaces::Find(const Context& context,
   LargeFaces found;
   found.vertex_count_ = mesh.vertex_count();
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
-    if (VertexSides(mesh, v) < kLarge) continue;
+    if (VertexSides(surface, v) < kLarge) continue;
     found.id_.push_back(v);
     for (std::size_t i = 0; i < mesh.valence(v); ++i) {
       found.place_.emplace_back(mesh.fan()[mesh.fan_begin()[v] + i], static_cast<Index>(i));

@@ -91,6 +91,8 @@ class SchemeJob {
 
 // frame must outlive the job.
 [[nodiscard]] std::unique_ptr<SchemeJob> MakeDooSabinJob(JobFrame* frame);
+// Doo-Sabin with options.constraints.features.
+[[nodiscard]] std::unique_ptr<SchemeJob> MakeFeatureJob(JobFrame* frame);
 // Catmull-Clark and Loop.
 [[nodiscard]] std::unique_ptr<SchemeJob> MakePrimalJob(JobFrame* frame);
 

@@ -38,6 +38,20 @@ absl::Status CheckDooSabin(const InterpolateOptions& options) {
                   "the bilinear first step belongs to Catmull-Clark surfaces",
                   "Choose the modified or the standard rule");
   }
+  if (options.rule == FirstRule::kFeatures) {
+    return Refuse(Reason::kInvalidOption, "solve.rule", "feature values are no rule to be named",
+                  "Give constraints.features and no rule");
+  }
+  if (constraints.features.has_value() && options.rule.has_value()) {
+    return Refuse(Reason::kInvalidOption, "solve.rule",
+                  "feature values are the first refinement themselves",
+                  "Leave the rule out, or constraints.features");
+  }
+  if (constraints.features.has_value() && options.fair) {
+    return Refuse(Reason::kInvalidOption, "solve.fair",
+                  "fairing would undo what feature values ask for",
+                  "Leave it out, or constraints.features");
+  }
   return absl::OkStatus();
 }
 
@@ -49,6 +63,15 @@ absl::Status NoChordBound() {
 
 absl::Status CheckPrimal(const InterpolateOptions& options) {
   const Constraints& constraints = options.constraints;
+  if (constraints.features.has_value()) {
+    return Refuse(Reason::kInvalidOption, "constraints.features",
+                  "feature values belong to Doo-Sabin surfaces",
+                  "Leave them out or choose Doo-Sabin");
+  }
+  if (options.rule == FirstRule::kFeatures) {
+    return Refuse(Reason::kInvalidOption, "solve.rule", "feature values belong to Doo-Sabin",
+                  "Choose the standard rule or none");
+  }
   if (!constraints.shape_handles.empty()) {
     return Refuse(Reason::kInvalidOption, "constraints.shape_handles",
                   "shape handles belong to Doo-Sabin surfaces",

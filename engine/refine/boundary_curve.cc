@@ -19,6 +19,27 @@ double Spread(std::size_t j, std::size_t m) {
   return AngleOf(2 * j + 1, 4 * m).cos / AngleOf(1, 4 * m).cos;
 }
 
+// cos((j + 1/2) pi / (2 m)) / cos(pi / (4 m)) for j = 0 .. m - 1, m >= 1. Exactly 1 at j = 0.
+double QuarterSpread(std::size_t j, std::size_t m) {
+  return AngleOf(2 * j + 1, 8 * m).cos / AngleOf(1, 8 * m).cos;
+}
+
+// The other three quarters of a sharp vertex' face. out and in are relative to its centre.
+void AddQuarters(const Vec3& centre, const Vec3& out, const Vec3& in, BoundaryFace* face) {
+  const std::size_t m = face->corner.size();
+  const auto along_out = [&](std::size_t j) { return QuarterSpread(j, m) * out; };
+  const auto along_in = [&](std::size_t j) { return QuarterSpread(m - 1 - j, m) * in; };
+  for (std::size_t j = m; j-- > 0;) {
+    face->point.push_back(2 * (centre + along_in(j)) - face->point[j]);
+  }
+  for (std::size_t j = 0; j < m; ++j) {
+    face->point.push_back(face->point[j] - 2 * (along_out(j) + along_in(j)));
+  }
+  for (std::size_t j = m; j-- > 0;) {
+    face->point.push_back(2 * (centre + along_out(j)) - face->point[j]);
+  }
+}
+
 }  // namespace
 
 Index BoundaryCurve::Find(Index h) const {
@@ -118,6 +139,11 @@ void GatherBoundaryFace(const HalfEdgeMesh& mesh, const BoundaryCurve& curve, co
     face->point.push_back(2 * out - w);
     return;
   }
+  if (curve.IsSharp(i)) {
+    const Vec3 centre = curve.centre[i] - curve.origin;
+    AddQuarters(centre, out - centre, in - centre, face);
+    return;
+  }
   const Vec3 c = 0.5 * (out + in);
   const Vec3 d = 0.5 * (out - in);
   for (std::size_t j = m; j-- > 0;) {
@@ -145,6 +171,7 @@ absl::StatusOr<BoundaryCurve> RefineBoundary(const Context& context, const HalfE
   refined.centre.resize(2 * size);
   refined.start.resize(2 * size);
   refined.end.resize(2 * size);
+  if (!curve.sharp.empty()) refined.sharp.resize(2 * size);
   LIMN_RETURN_IF_ERROR(ParallelFor(context, size, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Index first = static_cast<Index>(2 * i);
@@ -166,6 +193,9 @@ absl::StatusOr<BoundaryCurve> RefineBoundary(const Context& context, const HalfE
       refined.centre[second] = 0.5 * (from + to);
       refined.start[second] = 0.25 * from + 0.75 * to;
       refined.end[second] = 0.5 * (to + curve.centre[curve.next[i]]);
+      if (curve.sharp.empty()) continue;
+      refined.sharp[first] = curve.sharp[i];
+      refined.sharp[second] = 0;
     }
   }));
   return refined;

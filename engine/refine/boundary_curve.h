@@ -17,6 +17,14 @@
 // Those B are c plus a first harmonic of the 2m-gon, which refinement halves: so the centroid is c
 // and the limit boundary is the B-spline exactly. A corner, m = 1, is sharp: its face is W, 2 B_in
 // - W, the fourth point, 2 B_out - W, with the centroid on the corner itself.
+//
+// A vertex of m faces that is sharp on purpose, where plane faces meet (engine/constraints/
+// features.h), is the quarter of a face with 4m sides: with t_j = (j - 1/2) pi / (2 m), C the
+// vertex and L(t) = (a cos t + b sin t) / cos t_1, a = B_1 - C, b = B_m - C, the points W_j are C +
+// L(t_j)
+// + r_j, and what r_j is in the other quarters is odd about both curves: so r has no mean and no
+// first harmonic. The centroid is C, and B_1 and B_m go half way to C at each step, as the curves'
+// own do. For m = 1 it is the face above.
 #pragma once
 
 #include <array>
@@ -47,12 +55,20 @@ struct BoundaryCurve {
   // B near the vertex that the half-edge leaves, and near the one that it enters.
   Buffer<Vec3> start;
   Buffer<Vec3> end;
+  // 1 where the vertex that the half-edge leaves is sharp with any number of faces. Empty: nowhere;
+  // vertices of one face have `centre` as their corner in any case.
+  Buffer<std::uint8_t> sharp;
   // The points above are in the model's frame; those of corners are relative to this origin. So two
   // meshes that share a boundary share it to the last bit, wherever their middles are.
   Vec3 origin = {0, 0, 0};
 
   std::size_t size() const { return half_edge.size(); }
   bool empty() const { return half_edge.empty(); }
+  bool IsSharp(std::size_t i) const { return !sharp.empty() && sharp[i] != 0; }
+  // Sides of the type-V face at the vertex that half-edge i leaves, one of m faces.
+  std::size_t SidesAt(std::size_t i, std::size_t m) const {
+    return m == 1 || IsSharp(i) ? 4 * m : 2 * m;
+  }
   // The number of boundary half-edge h; the curve must be that of k = 1, and h one of its
   // half-edges. Cost: logarithmic.
   Index Find(Index h) const;
@@ -87,7 +103,7 @@ struct BoundaryPlacement {
 struct BoundaryFace {
   // Half-edges that leave the vertex, counter-clockwise: the corners of the first m points.
   std::vector<Index> corner;
-  // 2m points, counter-clockwise, the ghosts last; 4 when m = 1.
+  // 2m points, counter-clockwise, the ghosts last; 4m when m = 1 or the vertex is sharp.
   std::vector<Vec3> point;
 };
 

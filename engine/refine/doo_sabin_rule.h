@@ -18,6 +18,9 @@ enum class FirstRule {
   kStandard,
   // Vertices stay, edges get their midpoints: Catmull-Clark only, see RefineCatmullClark.
   kBilinear,
+  // By feature values, of the given mesh itself (engine/constraints/features.h). Said of a result,
+  // not asked for.
+  kFeatures,
 };
 
 // [ZC Eq. 1] for a quad: the image of `own`.

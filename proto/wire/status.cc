@@ -35,12 +35,13 @@ void AddDetail(std::string_view url, const Message& message, v1::RichStatus* ric
   message.SerializeToString(any->mutable_value());
 }
 
-v1::ErrorDetails MakeErrorInfo(const ErrorDetail& detail) {
+v1::ErrorDetails MakeErrorInfo(const ErrorDetail& detail, std::string_view request_id) {
   v1::ErrorDetails info;
   info.set_reason(std::string(ReasonName(detail.reason)));
   info.set_domain(std::string(kDomain));
   auto& metadata = *info.mutable_metadata();
   if (!detail.field.empty()) metadata["field"] = Trailer(detail.field);
+  if (!request_id.empty()) metadata["request_id"] = Trailer(request_id);
   if (detail.index.has_value()) metadata["index"] = absl::StrCat(*detail.index);
   if (!detail.remedy.empty()) metadata["remedy"] = Trailer(detail.remedy);
   if (detail.reason == Reason::kLimitExceeded) {
@@ -117,13 +118,13 @@ absl::Status Restore(absl::StatusCode code, std::string message, const v1::RichS
 
 }  // namespace
 
-v1::RichStatus ToRichStatus(const absl::Status& status) {
+v1::RichStatus ToRichStatus(const absl::Status& status, std::string_view request_id) {
   v1::RichStatus rich;
   const std::optional<ErrorDetail> detail = GetErrorDetail(status);
   if (!detail.has_value()) return rich;
   rich.set_code(static_cast<int>(status.code()));
   rich.set_message(Trailer(std::string(status.message())));
-  AddDetail(kErrorInfoUrl, MakeErrorInfo(*detail), &rich);
+  AddDetail(kErrorInfoUrl, MakeErrorInfo(*detail, request_id), &rich);
   if (status.code() == absl::StatusCode::kInvalidArgument) {
     AddDetail(kBadRequestUrl, MakeBadRequest(*detail, std::string(status.message())), &rich);
   }
@@ -135,9 +136,9 @@ v1::RichStatus ToRichStatus(const absl::Status& status) {
   return rich;
 }
 
-grpc::Status ToGrpcStatus(const absl::Status& status) {
+grpc::Status ToGrpcStatus(const absl::Status& status, std::string_view request_id) {
   if (status.ok()) return grpc::Status::OK;
-  const v1::RichStatus rich = ToRichStatus(status);
+  const v1::RichStatus rich = ToRichStatus(status, request_id);
   return grpc::Status(static_cast<grpc::StatusCode>(rich.code()), rich.message(),
                       rich.SerializeAsString());
 }

@@ -11,6 +11,8 @@
 
 #include <grpcpp/support/status.h>
 
+#include <string_view>
+
 #include "absl/status/status.h"
 #include "limn/v1/error_details.pb.h"
 
@@ -20,11 +22,14 @@ namespace limn::wire {
 inline constexpr int kRetryDelaySeconds = 1;
 
 // An error, or ok, as gRPC says it. Messages travel in trailers, which are small: they are cut
-// after 512 bytes, and bytes outside of ASCII become '?'. Thread-safe.
-[[nodiscard]] grpc::Status ToGrpcStatus(const absl::Status& status);
+// after 512 bytes, and bytes outside of ASCII become '?'. request_id: the call's name, for the
+// ErrorInfo; empty for none. Thread-safe.
+[[nodiscard]] grpc::Status ToGrpcStatus(const absl::Status& status,
+                                        std::string_view request_id = {});
 
 // The same as a message, for errors inside a stream. Code 0 and nothing else for ok.
-[[nodiscard]] v1::RichStatus ToRichStatus(const absl::Status& status);
+[[nodiscard]] v1::RichStatus ToRichStatus(const absl::Status& status,
+                                          std::string_view request_id = {});
 
 // Back again: message, code and, when the details came along, the engine's ErrorDetail (reason,
 // field, index, remedy, limit, retryable). Any other program's status is kept with its code and

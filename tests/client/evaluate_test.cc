@@ -175,6 +175,7 @@ TEST_F(ClientEvaluateTest, CancelFromAnotherThreadEndsTheCall) {
 TEST_F(ClientEvaluateTest, DestroyingACallInMidstreamFreesItsPlace) {
   ServerOptions options{.threads = 2};
   options.limits.workers = 1;
+  options.limits.interactive_milliseconds = 0;
   options.limits.queue_length = 0;
   const std::unique_ptr<Server> server = Start(options);
   const Client client(server->InProcessChannel());

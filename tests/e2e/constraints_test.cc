@@ -199,8 +199,12 @@ std::vector<BadFile> BadFiles() {
        "constraints.shape_handles[0].value: inf is not"},
       {"CreasesOfDooSabin", R"({"creases": [{"vertices": [1, 2], "sharpness": [1]}]})",
        "constraints.creases: creases belong to Catmull-Clark and Loop surfaces"},
-      {"NotBuilt", R"({"features": {}})",
-       "constraints.features: feature values are not implemented yet", 3},
+      {"SurfacePointsOfDooSabin", R"({"surfacePoints": [{"vertex": 3, "normal": {"x": 1}}]})",
+       "constraints.surface_points: constraints anywhere on the surface belong to Catmull-Clark"},
+      {"FeatureFace", R"({"features": {"faces": [{"face": 9999}]}})",
+       "constraints.features.faces[0].face: there is no face 9999"},
+      {"FeatureValue", R"({"features": {"defaultEdge": 1.5}})",
+       "constraints.features.default_edge: 1.5 is not a number from 0 to 1"},
   };
 }
 
@@ -260,7 +264,7 @@ TEST_F(ConstraintsE2e, PointsAndNormalsOnTheSurfaceAreMet) {
     EXPECT_LE(summary.blend().max_point_error(), 1e-10);
     EXPECT_LE(summary.blend().max_normal_deviation(), 1e-10);
     EXPECT_LE(summary.certificate().max_error(), 1e-10);
-    EXPECT_NEAR(std::fabs(ReadObj(At("s.obj")).normals[200].y), 1, 1e-6);
+    EXPECT_NEAR(std::fabs(ReadObj(At("s.obj")).normals[200][1]), 1, 1e-6);
     const RunResult at = space_.Limn({"evaluate", input, "--scheme", scheme, "--constraints",
                                       At("p.json"), "--at", At("at.txt"), "--format", "csv"});
     ASSERT_EQ(at.status, 0) << at.errors;

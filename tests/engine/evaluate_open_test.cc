@@ -31,19 +31,27 @@ constexpr std::size_t kDeepQuads = 200'000;
 
 // Boundary vertices of 5, 16 and 40 faces beside those of 1 to 6 that OpenMeshNames has.
 const char* const kFan = "LargeHalfFan";
+const char* const kSharp = "Sharp";
 std::vector<std::string> Names() {
   std::vector<std::string> names = oracle::OpenMeshNames();
   for (const int faces : {5, 16, 40}) names.push_back(kFan + std::to_string(faces));
+  // And the same with sharp vertices, as plane faces make them.
+  for (std::size_t i = names.size(); i-- > 0;) names.push_back(kSharp + names[i]);
   return names;
 }
 PolygonMesh MeshOf(const std::string& name) {
+  if (name.starts_with(kSharp)) return MeshOf(name.substr(std::string(kSharp).size()));
   if (!name.starts_with(kFan)) return oracle::OpenMesh(name);
   return oracle::HalfFan(std::stoi(name.substr(std::string(kFan).size())));
+}
+DooSabinSurface SurfaceOf(const std::string& name) {
+  return name.starts_with(kSharp) ? oracle::RandomSharpSurface(MeshOf(name), 61)
+                                  : RandomSurface(MeshOf(name), 61);
 }
 
 class EvaluateOpenTest : public testing::TestWithParam<std::string> {
  protected:
-  EvaluateOpenTest() : surface_(RandomSurface(MeshOf(GetParam()), 61)) {}
+  EvaluateOpenTest() : surface_(SurfaceOf(GetParam())) {}
   const DooSabinSurface surface_;
 };
 

@@ -192,6 +192,10 @@ TEST(InterpolateLimits, EstimateIsAnUpperBoundForTheOtherSchemesToo) {
       }
     }
   }
+  for (const std::uint32_t level : {0U, 1U, 2U}) {
+    all.push_back(
+        {.constraints = {.features = FeatureValues{.default_edge = 0.3}}, .level = level});
+  }
   for (const InterpolateOptions& options : all) {
     SCOPED_TRACE(absl::StrCat(static_cast<int>(options.scheme), ", level ", options.level,
                               ", surface ", options.surface, ", creases ",
@@ -204,6 +208,23 @@ TEST(InterpolateLimits, EstimateIsAnUpperBoundForTheOtherSchemesToo) {
     ASSERT_TRUE(Refusal(mesh, options).ok());
     EXPECT_LE(meter.peak(), estimate);
     EXPECT_LE(estimate, 3 * meter.peak());
+  }
+}
+
+// A mesh of which every face is plane is cut along all edges.
+TEST(InterpolateLimits, EstimateHoldsForPlaneFaces) {
+  PolygonMesh mesh = Generated(MeshKind::kCube, 20000);
+  for (const FaceKind most : {FaceKind::kPlane, FaceKind::kSurface}) {
+    for (const std::uint32_t level : {0U, 1U, 2U, 3U}) {
+      FeatureValues values = {.default_face = most, .default_edge = 0.3};
+      values.faces = {{5, FaceKind::kPlane}};
+      const InterpolateOptions options = {.constraints = {.features = values}, .level = level};
+      const AllocationMeter meter;
+      const absl::Status status = Refusal(mesh, options);
+      ASSERT_TRUE(status.ok()) << status;
+      EXPECT_LE(meter.peak(), EstimateBytes(mesh.vertex_count(), mesh.face_count(),
+                                            mesh.corner_count(), options));
+    }
   }
 }
 

@@ -54,6 +54,18 @@ TEST(RenumberConstraints, WhatIsSharpFollowsItsVerticesAndFaces) {
   EXPECT_EQ(result.holes, (std::vector<Index>{2, 4}));
 }
 
+TEST(RenumberConstraints, FeatureValuesFollowAsDefaultsOnly) {
+  Constraints given;
+  given.features = FeatureValues{.default_face = FaceKind::kPlane, .default_edge = 0.125};
+  LIMN_ASSERT_OK_AND_ASSIGN(const Constraints result, Renumbered(given, {}));
+  ASSERT_TRUE(result.features.has_value());
+  EXPECT_EQ(result.features->default_face, FaceKind::kPlane);
+  EXPECT_EQ(result.features->default_edge, 0.125);
+  given.features->vertices = {{.vertex = 0}};
+  oracle::ExpectError(Renumbered(given, {}).status(),
+                      {Reason::kInvalidOption, "constraints.features"});
+}
+
 TEST(RenumberConstraints, CreasesThroughSplitVerticesAreRefused) {
   Constraints given;
   given.creases = {{.vertices = {0, 3}, .sharpness = {1}}};

@@ -85,6 +85,21 @@ DooSabinSurface RandomSurface(const PolygonMesh& given, std::uint64_t seed) {
   return surface;
 }
 
+DooSabinSurface RandomSharpSurface(const PolygonMesh& given, std::uint64_t seed) {
+  DooSabinSurface surface = RandomSurface(given, seed);
+  std::mt19937_64 random(seed + 1);
+  std::uniform_real_distribution<double> coordinate(-1, 1);
+  BoundaryCurve& curve = surface.boundary;
+  curve.sharp.assign(curve.size(), 0);
+  for (std::size_t i = 0; i < curve.size(); i += 2) {
+    curve.sharp[i] = 1;
+    const double x = coordinate(random);
+    const double y = coordinate(random);
+    curve.centre[i] = {x, y, coordinate(random)};
+  }
+  return surface;
+}
+
 DooSabinSurface InterpolatingSurface(const PolygonMesh& given) {
   InterpolateResult result =
       OrThrow(Interpolate(Context(), given, {.surface = false, .keep_patches = true}));
@@ -108,8 +123,10 @@ DooSabinSurface RefinedSurface(const DooSabinSurface& surface) {
                          surface.corners, absl::MakeSpan(refined.corners)));
   // In the order of T^1's own boundary.
   const BoundaryCurve curve = OrThrow(RefineBoundary(Context(), mesh, surface.boundary));
+  refined.boundary.sharp.resize(curve.sharp.size());
   for (std::size_t i = 0; i < curve.size(); ++i) {
     const Index at = refined.boundary.Find(curve.half_edge[i]);
+    if (!curve.sharp.empty()) refined.boundary.sharp[at] = curve.sharp[i];
     refined.boundary.centre[at] = curve.centre[i];
     refined.boundary.start[at] = curve.start[i];
     refined.boundary.end[at] = curve.end[i];

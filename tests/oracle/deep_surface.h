@@ -15,6 +15,8 @@ namespace limn::oracle {
 // A surface over a mesh, open or closed, with the points of M^1 and those of the boundary curve at
 // random places in [-1, 1]^3. (On the curve, a vertex that is no corner lies in the middle.)
 DooSabinSurface RandomSurface(const PolygonMesh& given, std::uint64_t seed);
+// The same with every other vertex of the boundary sharp.
+DooSabinSurface RandomSharpSurface(const PolygonMesh& given, std::uint64_t seed);
 
 // The surface that passes through the vertices of a mesh.
 DooSabinSurface InterpolatingSurface(const PolygonMesh& given);

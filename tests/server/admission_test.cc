@@ -20,6 +20,11 @@ namespace {
 
 v1::InterpolateRequest HeaderMessage() { return MakeUpload(MakeHeader(1), MakeSphere(64)).front(); }
 
+Lanes MakeLanes() {
+  const LaneOptions options{.name = "jobs", .workers = 1, .queue_length = 9, .threads = 1};
+  return {.interactive = Lane(options), .batch = Lane(options), .interactive_milliseconds = 0};
+}
+
 void ExpectBusy(RawCall& call, const std::string& limit) {
   EXPECT_EQ(call.Finish().code(), absl::StatusCode::kResourceExhausted) << call.Finish();
   const v1::RichStatus rich = call.rich_status();
@@ -34,6 +39,7 @@ TEST(AdmissionTest, TheJobAfterTheLastPlaceIsRefusedExactly) {
   constexpr std::size_t kTooMany = 4;
   ServerOptions options{.threads = 1};
   options.limits.workers = 2;
+  options.limits.interactive_milliseconds = 0;
   options.limits.queue_length = 3;
   const std::unique_ptr<Server> server = StartServer(options);
   const std::vector<v1::InterpolateRequest> upload =
@@ -100,6 +106,7 @@ TEST(AdmissionTest, TheUploadAfterTheLastIsRefusedExactly) {
 TEST(AdmissionTest, AnUploadHoldsNeitherAPlaceNorTheMemoryOfItsJob) {
   ServerOptions options{.threads = 1};
   options.limits.workers = 1;
+  options.limits.interactive_milliseconds = 0;
   options.limits.queue_length = 0;
   const std::vector<v1::InterpolateRequest> large = MakeUpload(MakeHeader(5), MakeSphere(2000));
   v1::InterpolateHeader header = large.front().header();
@@ -132,6 +139,7 @@ TEST(AdmissionTest, UnclaimedMeshesAreHeldAgainstTheTotalOnceTheyAreDecoded) {
 
   ServerOptions options{.threads = 1};
   options.limits.workers = 2;
+  options.limits.interactive_milliseconds = 0;
   options.limits.max_total_bytes = EstimateJobBytes(*spec) / 2 * 3;
   const std::unique_ptr<Server> server = StartServer(options);
   const auto channel = server->InProcessChannel();
@@ -230,20 +238,20 @@ TEST(AdmissionTest, MemoryOfAllJobsIsBoundedAndComesBack) {
   spec.mesh.set_encoding(v1::MESH_ENCODING_PACKED);
   ServerLimits limits;
   limits.max_total_bytes = 2 * EstimateJobBytes(spec) + EstimateUploadBytes(spec);
-  Lane lane({.name = "jobs", .workers = 1, .queue_length = 9, .threads = 1});
-  Admission admission(limits, lane);
+  Lanes lanes = MakeLanes();
+  Admission admission(limits, lanes);
   {
     auto first = admission.Admit(spec);
     ASSERT_TRUE(first.ok()) << first.status();
     EXPECT_EQ(admission.reserved_bytes(), EstimateUploadBytes(spec));
     EXPECT_EQ(admission.uploads(), 1U);
-    EXPECT_EQ(lane.places_taken(), 0U);
+    EXPECT_EQ(lanes.batch.places_taken(), 0U);
     auto second = admission.Admit(spec);
     ASSERT_TRUE(second.ok());
     auto third = admission.Admit(spec);
     ASSERT_TRUE(third.ok());
     ASSERT_TRUE(admission.Enqueue(&*first).ok());
-    EXPECT_EQ(lane.places_taken(), 1U);
+    EXPECT_EQ(lanes.batch.places_taken(), 1U);
     EXPECT_EQ(admission.uploads(), 2U);
     ASSERT_TRUE(admission.Enqueue(&*second).ok());
     const absl::Status refused = admission.Enqueue(&*third);
@@ -256,15 +264,15 @@ TEST(AdmissionTest, MemoryOfAllJobsIsBoundedAndComesBack) {
   }
   EXPECT_EQ(admission.reserved_bytes(), 0U);
   EXPECT_EQ(admission.uploads(), 0U);
-  EXPECT_EQ(lane.places_taken(), 0U);
+  EXPECT_EQ(lanes.batch.places_taken(), 0U);
 }
 
 TEST(AdmissionTest, AReservationGrowsAndIsNotTouchedWhereItCannot) {
   ServerLimits limits;
   limits.max_job_bytes = 1000;
   limits.max_total_bytes = 1500;
-  Lane lane({.name = "jobs", .workers = 1, .queue_length = 9, .threads = 1});
-  Admission admission(limits, lane);
+  Lanes lanes = MakeLanes();
+  Admission admission(limits, lanes);
   Admission::Reservation first;
   Admission::Reservation second;
   ASSERT_TRUE(admission.Grow(400, &first).ok());
@@ -289,8 +297,8 @@ TEST(AdmissionTest, AReservationGrowsAndIsNotTouchedWhereItCannot) {
 TEST(AdmissionTest, AReservationGivesBackWhatItTurnsOutNotToNeed) {
   ServerLimits limits;
   limits.max_total_bytes = 1500;
-  Lane lane({.name = "jobs", .workers = 1, .queue_length = 9, .threads = 1});
-  Admission admission(limits, lane);
+  Lanes lanes = MakeLanes();
+  Admission admission(limits, lanes);
   {
     Admission::Reservation nothing;
     nothing.Shrink(0);

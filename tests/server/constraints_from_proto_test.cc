@@ -187,9 +187,80 @@ INSTANTIATE_TEST_SUITE_P(
                               c->add_normals()->set_vertex(1);
                             },
                             Reason::kInvalidOption, "constraints.normals[1].normal"},
-                    BadCase{"Features", [](auto* c) { c->mutable_features(); },
-                            Reason::kUnimplemented, "constraints.features"}),
+                    BadCase{"FeatureDefault",
+                            [](auto* c) {
+                              c->mutable_features()->set_default_face(
+                                  static_cast<v1::FeatureValues::FaceKind>(7));
+                            },
+                            Reason::kInvalidOption, "constraints.features.default_face"},
+                    BadCase{"FeatureKind",
+                            [](auto* c) {
+                              c->mutable_features()->add_faces();
+                              c->mutable_features()->add_faces()->set_kind(
+                                  static_cast<v1::FeatureValues::FaceKind>(3));
+                            },
+                            Reason::kInvalidOption, "constraints.features.faces[1].kind"}),
     [](const auto& test) { return test.param.name; });
+
+TEST(ConstraintsFromProtoTest, FeatureValuesArriveInTheirOrder) {
+  v1::Constraints constraints;
+  v1::FeatureValues* features = constraints.mutable_features();
+  features->set_default_face(v1::FeatureValues::FACE_KIND_PLANE);
+  features->set_default_edge(0.25);
+  features->set_default_vertex(0);
+  v1::FeatureValues::Face* face = features->add_faces();
+  face->set_face(3);
+  face->set_kind(v1::FeatureValues::FACE_KIND_SURFACE);
+  features->add_faces()->set_kind(v1::FeatureValues::FACE_KIND_PLANE);
+  v1::FeatureValues::Edge* edge = features->add_edges();
+  edge->set_from(7);
+  edge->set_to(2);
+  edge->set_value(0.75);
+  features->add_edges()->set_face(0);
+  v1::FeatureValues::Vertex* vertex = features->add_vertices();
+  vertex->set_vertex(5);
+  vertex->set_face(4);
+  vertex->set_value(0.5);
+  features->add_vertices();
+  const absl::StatusOr<Constraints> got = ConstraintsFromProto(constraints, 8);
+  ASSERT_TRUE(got.ok()) << got.status();
+  ASSERT_TRUE(got->features.has_value());
+  const FeatureValues& values = *got->features;
+  EXPECT_EQ(values.default_face, FaceKind::kPlane);
+  EXPECT_EQ(values.default_edge, 0.25);
+  EXPECT_EQ(values.default_vertex, 0);
+  ASSERT_EQ(values.faces.size(), 2U);
+  EXPECT_EQ(values.faces[0].face, 3U);
+  EXPECT_EQ(values.faces[0].kind, FaceKind::kSurface);
+  EXPECT_EQ(values.faces[1].kind, FaceKind::kPlane);
+  ASSERT_EQ(values.edges.size(), 2U);
+  EXPECT_EQ(values.edges[0].from, 7U);
+  EXPECT_EQ(values.edges[0].to, 2U);
+  EXPECT_FALSE(values.edges[0].face.has_value());
+  EXPECT_EQ(values.edges[0].value, 0.75);
+  EXPECT_EQ(values.edges[1].face, 0U);
+  // What is not set is 0 in an entry, as it is in any message.
+  EXPECT_EQ(values.edges[1].value, 0);
+  ASSERT_EQ(values.vertices.size(), 2U);
+  EXPECT_EQ(values.vertices[0].vertex, 5U);
+  EXPECT_EQ(values.vertices[0].face, 4U);
+  EXPECT_EQ(values.vertices[0].value, 0.5);
+  EXPECT_FALSE(values.vertices[1].face.has_value());
+  EXPECT_EQ(ConstraintBytes(*got),
+            2 * sizeof(FaceFeature) + 2 * sizeof(EdgeFeature) + 2 * sizeof(VertexFeature));
+}
+
+// The contract's defaults are the engine's.
+TEST(ConstraintsFromProtoTest, AbsentFeatureValuesTakeTheDefaults) {
+  v1::Constraints constraints;
+  EXPECT_FALSE(ConstraintsFromProto(constraints, 8)->features.has_value());
+  constraints.mutable_features();
+  const absl::StatusOr<Constraints> got = ConstraintsFromProto(constraints, 8);
+  ASSERT_TRUE(got.ok()) << got.status();
+  EXPECT_EQ(got->features->default_face, FaceKind::kSurface);
+  EXPECT_EQ(got->features->default_edge, 0.5);
+  EXPECT_EQ(got->features->default_vertex, 1);
+}
 
 TEST(ConstraintsFromProtoTest, WithoutAClaimOnlyTheMessageBoundsTheLists) {
   v1::Constraints constraints;

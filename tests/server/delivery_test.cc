@@ -33,6 +33,7 @@ v1::InterpolateHeader MakeSlowToEncodeHeader() {
 TEST(DeliveryTest, AnAnswerDoesNotWaitForTheEncodingOfAnothersMesh) {
   ServerOptions options{.threads = 1};
   options.limits.workers = 1;
+  options.limits.interactive_milliseconds = 0;
   const std::unique_ptr<Server> server = StartServer(options);
 
   v1::InterpolateHeader header = MakeHeader(2);

@@ -19,6 +19,7 @@ using std::chrono::steady_clock;
 ServerOptions OnePlace() {
   ServerOptions options{.threads = 2};
   options.limits.workers = 1;
+  options.limits.interactive_milliseconds = 0;
   options.limits.queue_length = 0;
   return options;
 }

@@ -73,6 +73,7 @@ wire::SampleArrays Expected(const PolygonMesh& mesh,
 ServerOptions OnePlace() {
   ServerOptions options{.threads = 2};
   options.limits.workers = 1;
+  options.limits.interactive_milliseconds = 0;
   options.limits.queue_length = 0;
   return options;
 }

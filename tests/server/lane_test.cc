@@ -67,14 +67,14 @@ TEST(LaneTest, AReleasedPlaceTakesItsWaitingTaskBack) {
 
 TEST(WorkerThreadsTest, StopRunsWhatWasPosted) {
   std::atomic<int> ran = 0;
-  WorkerThreads threads(3, nullptr);
+  WorkerThreads threads({.count = 3});
   for (int i = 0; i < 1000; ++i) threads.Post([&] { ++ran; });
   threads.Stop();
   EXPECT_EQ(ran, 1000);
 }
 
 TEST(WorkerThreadsTest, StopUntilTellsWhetherWorkIsLeft) {
-  WorkerThreads threads(2, nullptr);
+  WorkerThreads threads({.count = 2});
   std::promise<void> go;
   std::promise<void> running;
   threads.Post([&] {

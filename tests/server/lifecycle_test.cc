@@ -93,6 +93,11 @@ TEST(ServerTest, HealthAndReflectionAnswer) {
               std::string("\x3a\x00", 2));
   EXPECT_TRUE(list.status.ok()) << list.status.error_message();
   EXPECT_NE(list.bytes.find("limn.v1.LimnService"), std::string::npos);
+  // ServerReflectionRequest{file_containing_symbol = 4: "limn.v1.LimnService"}.
+  const RawAnswer file =
+      CallRaw(channel, "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo",
+              std::string("\x22\x13") + "limn.v1.LimnService");
+  EXPECT_NE(file.bytes.find("GetServerInfo"), std::string::npos);
 }
 
 TEST(ServerTest, RpcsThatAreNotBuiltNameThemselves) {

@@ -134,6 +134,33 @@ std::vector<FieldCase> InvalidCases() {
          h.mutable_constraints()->add_holes(0);
        },
        kInvalid, "output.encoding"},
+      {"RuleOfAnswers",
+       [](Header& h) { h.mutable_solve()->set_rule(v1::SolveOptions::RULE_FEATURE_VALUES); },
+       kInvalid, "solve.rule"},
+      {"FeaturesWithRule",
+       [](Header& h) {
+         h.mutable_solve()->set_rule(v1::SolveOptions::RULE_MODIFIED);
+         h.mutable_constraints()->mutable_features();
+       },
+       kInvalid, "solve.rule"},
+      {"FeaturesWithFairing",
+       [](Header& h) {
+         h.mutable_solve()->set_fair(true);
+         h.mutable_constraints()->mutable_features();
+       },
+       kInvalid, "solve.fair"},
+      {"FeaturesOfOthers",
+       [](Header& h) {
+         h.set_scheme(v1::SCHEME_CATMULL_CLARK);
+         h.mutable_constraints()->mutable_features();
+       },
+       kInvalid, "constraints.features"},
+      {"FeaturesOfFacesWithRepair",
+       [](Header& h) {
+         h.mutable_output()->set_repair(true);
+         h.mutable_constraints()->mutable_features()->add_faces();
+       },
+       kInvalid, "output.repair"},
       {"DracoWithoutConnectivity",
        [](Header& h) {
          h.mutable_output()->set_encoding(v1::MESH_ENCODING_DRACO);
@@ -143,20 +170,7 @@ std::vector<FieldCase> InvalidCases() {
   };
 }
 
-std::vector<FieldCase> UnbuiltCases() {
-  constexpr Reason kNot = Reason::kUnimplemented;
-  const auto constraint = [](const std::function<void(v1::Constraints*)>& add) {
-    return [add](Header& h) { add(h.mutable_constraints()); };
-  };
-  return {
-      {"Features", constraint([](auto* c) { c->mutable_features(); }), kNot,
-       "constraints.features"},
-  };
-}
-
 INSTANTIATE_TEST_SUITE_P(Invalid, HeaderFieldTest, testing::ValuesIn(InvalidCases()),
-                         [](const auto& test) { return test.param.name; });
-INSTANTIATE_TEST_SUITE_P(NotBuilt, HeaderFieldTest, testing::ValuesIn(UnbuiltCases()),
                          [](const auto& test) { return test.param.name; });
 
 TEST(JobSpecTest, AbsentFieldsTakeTheDefaultsOfTheContract) {
@@ -254,13 +268,14 @@ TEST(JobSpecTest, ErrorsOfTheHeaderReachTheClientWithTheirField) {
   const std::unique_ptr<Server> server = StartServer();
   RawCall call(server->InProcessChannel());
   Header header = MakeHeader(1);
-  header.mutable_constraints()->mutable_features();
+  header.set_scheme(v1::SCHEME_CATMULL_CLARK);
+  header.mutable_surface()->set_chord_tolerance(0.1);
   call.Write(MakeUpload(header, MakeSphere(64)));
   call.WritesDone();
   EXPECT_EQ(call.Finish().code(), absl::StatusCode::kUnimplemented);
   const v1::ErrorDetails info = ErrorInfoOf(call.rich_status());
   EXPECT_EQ(info.reason(), "UNIMPLEMENTED");
-  EXPECT_EQ(info.metadata().at("field"), "constraints.features");
+  EXPECT_EQ(info.metadata().at("field"), "surface.chord_tolerance");
 }
 
 TEST(JobSpecTest, EveryNameOfTheContractReachesTheEngineAndComesBack) {
