@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "engine/base/byte_text.h"
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
 #include "engine/mesh/half_edge_mesh.h"
@@ -33,8 +34,8 @@ absl::Status CheckBytes(const Context& context, const PolygonMesh& mesh,
   const std::uint64_t bytes = EstimateBytes(mesh.vertex_count(), mesh.face_count(),
                                             mesh.corner_count(), options, boundary_edges);
   if (bytes <= context.limits().max_bytes) return absl::OkStatus();
-  return MakeError(absl::StrCat("the job would need ", bytes, " bytes, the limit is ",
-                                context.limits().max_bytes),
+  return MakeError(absl::StrCat("the job would need ", ByteText(bytes), ", the limit is ",
+                                ByteText(context.limits().max_bytes)),
                    {.reason = Reason::kLimitExceeded,
                     .field = options.chord_tolerance.has_value() ? kToleranceField : kLevelField,
                     .remedy = "Choose a lower level or a larger tolerance, send a smaller mesh or "

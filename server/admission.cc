@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
+#include "engine/base/byte_text.h"
 #include "engine/base/error.h"
 #include "server/job_cost.h"
 
@@ -61,10 +62,10 @@ absl::StatusOr<Admission::Ticket> Admission::Admit(const JobSpec& spec, const st
   LIMN_RETURN_IF_ERROR(
       wire::CheckHeader(EngineLimits(limits_), spec.mesh, {.any_arity = spec.repair}));
   if (spec.mesh.byte_count() > limits_.max_mesh_bytes) {
-    return TooLarge(
-        "mesh.byte_count",
-        absl::StrCat(spec.mesh.byte_count(), " bytes are more than ", limits_.max_mesh_bytes),
-        "max-mesh-bytes", "Use a smaller mesh or a smaller encoding");
+    return TooLarge("mesh.byte_count",
+                    absl::StrCat(ByteText(spec.mesh.byte_count()), " are more than ",
+                                 ByteText(limits_.max_mesh_bytes)),
+                    "max-mesh-bytes", "Use a smaller mesh or a smaller encoding");
   }
   if (spec.engine.level > limits_.max_level) {
     return TooLarge("surface.level",
@@ -115,20 +116,22 @@ absl::Status Admission::CheckJobBytes(std::uint64_t bytes, bool level_chosen) co
   const bool job = limits_.max_job_bytes <= limits_.max_total_bytes;
   const std::uint64_t limit = job ? limits_.max_job_bytes : limits_.max_total_bytes;
   if (bytes <= limit) return absl::OkStatus();
-  return TooLarge(level_chosen ? "surface.chord_tolerance" : "surface.level",
-                  absl::StrCat("the job may need ", bytes, " bytes of memory, more than ", limit),
-                  job ? "max-job-bytes" : "max-total-bytes",
-                  level_chosen ? "Not even level 0 fits: use a smaller mesh"
-                               : "Ask for a lower level or use a smaller mesh");
+  return TooLarge(
+      level_chosen ? "surface.chord_tolerance" : "surface.level",
+      absl::StrCat("the job may need ", ByteText(bytes), " of memory, more than ", ByteText(limit)),
+      job ? "max-job-bytes" : "max-total-bytes",
+      level_chosen ? "Not even level 0 fits: use a smaller mesh"
+                   : "Ask for a lower level or use a smaller mesh");
 }
 
 absl::Status Admission::CheckTotal(std::uint64_t more) const {
   if (reserved_ <= limits_.max_total_bytes && more <= limits_.max_total_bytes - reserved_) {
     return absl::OkStatus();
   }
-  return Busy(absl::StrCat("its jobs need ", reserved_, " bytes of memory, this one ", more,
-                           " more, together more than ", limits_.max_total_bytes),
-              "max-total-bytes");
+  return Busy(
+      absl::StrCat("its jobs need ", ByteText(reserved_), " of memory, this one ", ByteText(more),
+                   " more, together more than ", ByteText(limits_.max_total_bytes)),
+      "max-total-bytes");
 }
 
 std::uint64_t Admission::reserved_bytes() const {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "engine/base/byte_text.h"
 #include "engine/base/error.h"
 
 namespace limn {
@@ -109,7 +110,7 @@ absl::StatusOr<std::uint64_t> Lane::PositionOfNext(const LaneRequest& request) c
     return held <= limit && more <= limit - held;
   };
   if (!fits(load_.waiting_bytes, request.bytes, options_.queue_bytes)) {
-    return busy(absl::StrCat("jobs of ", load_.waiting_bytes, " bytes of memory wait"),
+    return busy(absl::StrCat("jobs of ", ByteText(load_.waiting_bytes), " of memory wait"),
                 "queue-bytes");
   }
   if (!fits(load_.waiting_milliseconds, request.milliseconds, options_.queue_milliseconds)) {

@@ -13,7 +13,9 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <thread>
+#include <vector>
 
 #include "engine/base/error.h"
 #include "engine/base/heap.h"
@@ -77,6 +79,18 @@ void AddFlags(CLI::App* app, Flags* flags) {
         ->group("Limits")
         ->check(CLI::Range(entry.least, entry.most));
   }
+}
+
+// What is wrong with the command line, in the form of limn's messages.
+std::string UsageMessage(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<std::string> words = app.remaining();
+  std::string message = error.what();
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError) && !words.empty()) {
+    message =
+        (words[0].starts_with('-') ? "there is no flag " : "there is an argument too many: ") +
+        words[0];
+  }
+  return "limnd: " + message + "; see 'limnd --help'";
 }
 
 // Whole or not at all: whoever waits for the file never reads half a number.
@@ -148,7 +162,11 @@ int Run(const Flags& flags, const sigset_t& signals) {
                    .Add("threads", static_cast<std::uint64_t>((*server)->threads()))
                    .Add("version", LIMN_VERSION));
   if (!flags.port_file.empty() && !WritePortFile(flags.port_file, (*server)->port())) {
-    std::cerr << "limnd: cannot write the port to " << flags.port_file << "\n";
+    const std::filesystem::path folder = std::filesystem::path(flags.port_file).parent_path();
+    std::error_code error;
+    const bool missing = !folder.empty() && !std::filesystem::exists(folder, error);
+    std::cerr << "limnd: cannot write the port to " << flags.port_file
+              << (missing ? ": the folder " + folder.string() + " does not exist" : "") << "\n";
     return kExitFailure;
   }
 
@@ -181,7 +199,9 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? EXIT_SUCCESS : limn::kExitUsage;
+    if (error.get_exit_code() == 0) return app.exit(error);
+    std::cerr << limn::UsageMessage(app, error) << "\n";
+    return limn::kExitUsage;
   }
   return limn::Run(flags, signals);
 }

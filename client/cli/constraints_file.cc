@@ -12,7 +12,8 @@ namespace limn::cli {
 void AddConstraintsFlag(CLI::App& app, std::string* path) {
   app.add_option("--constraints", *path,
                  "What the surface meets, as JSON of limn.v1.Constraints: which vertices to "
-                 "interpolate, normals, shape handles, feature values [all vertices]")
+                 "interpolate [all], and for doo-sabin normals, shapeHandles and features, for "
+                 "catmull-clark and loop creases, corners and holes")
       ->type_name("FILE.json");
 }
 

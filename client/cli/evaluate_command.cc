@@ -21,6 +21,7 @@
 #include "client/cli/progress_bar.h"
 #include "client/cli/report.h"
 #include "client/cli/samples_file.h"
+#include "client/cli/solve_warning.h"
 #include "client/cli/staged_files.h"
 #include "client/io/mesh_reader.h"
 #include "engine/base/error.h"
@@ -124,6 +125,7 @@ ExitStatus Run(const EvaluateFlags& flags) {
   StagedFiles files([&canceller] { return canceller.cancelled(); });
   status = Write(flags, *file, *result, &files);
   if (canceller.cancelled()) return FailInterrupted();
+  WarnAboutSolve(result->summary.solve(), flags.job);
   if (status.ok()) status = files.Commit();
   return status.ok() ? ExitStatus::kOk : FailWithFile(status);
 }

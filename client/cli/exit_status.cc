@@ -6,12 +6,23 @@
 #include <cstdio>
 #include <string>
 
+#include "absl/strings/str_replace.h"
+#include "client/cli/flag_names.h"
+#include "client/cli/message_file.h"
 #include "engine/base/error.h"
 
 namespace limn::cli {
 namespace {
 
-void Print(const absl::Status& status) { PrintError(std::string(status.message())); }
+// What limits a job inside this process; see EmbeddedLimits in client/cli/connection.cc.
+constexpr const char* kMemory = "(limit: two thirds of the memory there is)";
+
+ExitStatus Fail(const absl::Status& status, const std::string& message, ExitStatus otherwise) {
+  PrintError(message);
+  const auto detail = GetErrorDetail(status);
+  const bool option = detail && detail->reason == Reason::kInvalidOption;
+  return option ? ExitStatus::kUsage : otherwise;
+}
 
 }  // namespace
 
@@ -23,27 +34,35 @@ void PrintError(std::string_view what) {
 }
 
 ExitStatus FailWithFile(const absl::Status& status) {
-  Print(status);
-  return ExitStatus::kRefused;
+  return Fail(status, std::string(status.message()), ExitStatus::kRefused);
 }
 
-ExitStatus FailWithOption(const absl::Status& status) {
-  Print(status);
-  const auto detail = GetErrorDetail(status);
-  const bool usage = detail && detail->reason == Reason::kInvalidOption;
-  return usage ? ExitStatus::kUsage : ExitStatus::kRefused;
-}
+ExitStatus FailWithOption(const absl::Status& status) { return FailWithFile(status); }
 
 ExitStatus FailWithJob(const absl::Status& status) {
-  Print(status);
+  if (status.code() == absl::StatusCode::kDeadlineExceeded) {
+    PrintError("the job took longer than --deadline allows; allow it more seconds");
+    return ExitStatus::kServer;
+  }
   const bool refused = status.code() == absl::StatusCode::kInvalidArgument;
-  return refused ? ExitStatus::kRefused : ExitStatus::kServer;
+  const ExitStatus otherwise = refused ? ExitStatus::kRefused : ExitStatus::kServer;
+  const auto detail = GetErrorDetail(status);
+  const std::string message = MessageInFlags(status);
+  if (detail && !FlagOf(detail->field).empty()) return Fail(status, message, otherwise);
+  PrintError(message);
+  return otherwise;
 }
 
 ExitStatus FailAtServer(const std::string& server, const absl::Status& status) {
+  if (server.empty()) {
+    const std::string message = absl::StrReplaceAll(
+        status.message(),
+        {{"(limit max-job-bytes)", kMemory}, {"(limit max-total-bytes)", kMemory}});
+    return FailWithJob(WithMessage(status, message));
+  }
   const auto detail = GetErrorDetail(status);
   const bool from_limn = detail && detail->reason == Reason::kShuttingDown;
-  if (server.empty() || status.code() != absl::StatusCode::kUnavailable || from_limn) {
+  if (status.code() != absl::StatusCode::kUnavailable || from_limn) {
     return FailWithJob(status);
   }
   PrintError("no answer from " + server + " (" + std::string(status.message()) +

@@ -27,11 +27,13 @@ void PrintError(std::string_view what);
 
 // Each prints the error and returns its exit status. `status` is not ok.
 
-// Of a file that was to be read or written.
+// Of a file that was to be read or written: kUsage for INVALID_OPTION, such as an ending that is
+// not known, otherwise kRefused.
 ExitStatus FailWithFile(const absl::Status& status);
-// Of an option's value: kUsage for INVALID_OPTION, otherwise as FailWithFile.
+// Of an option's value: the same.
 ExitStatus FailWithOption(const absl::Status& status);
-// Of a job: what is wrong with the input is kRefused, everything else kServer.
+// Of a job, in words of the command line: a flag's value that makes no sense is kUsage, anything
+// else that is wrong with the input kRefused, everything else kServer.
 ExitStatus FailWithJob(const absl::Status& status);
 // Of a job at a server, empty for the embedded one: as FailWithJob, and with the address where that
 // is what is wrong.

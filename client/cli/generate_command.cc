@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // `limn generate`: makes a mesh and writes it.
+#include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -8,6 +10,8 @@
 #include <CLI/App.hpp>
 #include <CLI/Validators.hpp>
 
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
 #include "client/cli/commands.h"
 #include "client/cli/report.h"
 #include "client/io/mesh_writer.h"
@@ -29,6 +33,25 @@ std::vector<std::string> KindNames() {
   return names;
 }
 
+// "irregular_sphere from 20, torus from 9, ...".
+std::string LeastVertices() {
+  std::string text;
+  for (const MeshKind kind : AllMeshKinds()) {
+    absl::StrAppend(&text, text.empty() ? "" : ", ", std::string(MeshKindName(kind)), " from ",
+                    MinGeneratedVertices(kind));
+  }
+  return text;
+}
+
+// STL has triangles only.
+std::string FacesText(const std::string& path, const PolygonMesh& mesh) {
+  std::string text = WithCommas(mesh.face_count()) + " faces";
+  const std::string ending = std::filesystem::path(path).extension().string();
+  if (absl::AsciiStrToLower(ending) != ".stl") return text;
+  const std::uint64_t triangles = mesh.corner_count() - 2 * mesh.face_count();
+  return text + ", written as " + WithCommas(triangles) + " triangles";
+}
+
 ExitStatus Run(const GenerateFlags& flags) {
   const absl::StatusOr<MeshKind> kind = ParseMeshKind(flags.kind);
   if (!kind.ok()) return FailWithOption(kind.status());
@@ -39,8 +62,8 @@ ExitStatus Run(const GenerateFlags& flags) {
   if (!mesh.ok()) return FailWithOption(mesh.status());
   status = WriteMeshFile(flags.output, *mesh);
   if (!status.ok()) return FailWithFile(status);
-  std::printf("%s: %s vertices, %s faces\n", flags.output.c_str(),
-              WithCommas(mesh->vertex_count()).c_str(), WithCommas(mesh->face_count()).c_str());
+  std::printf("%s: %s vertices, %s\n", flags.output.c_str(),
+              WithCommas(mesh->vertex_count()).c_str(), FacesText(flags.output, *mesh).c_str());
   return ExitStatus::kOk;
 }
 
@@ -52,7 +75,9 @@ void AddGenerateCommand(CLI::App& app, ExitStatus* status) {
   command->add_option("KIND", flags->kind, "What to make (grid and disk are open)")
       ->required()
       ->check(CLI::IsMember(KindNames()));
-  command->add_option("--vertices", flags->vertices, "Number of vertices, or a few less")
+  command
+      ->add_option("--vertices", flags->vertices,
+                   "Number of vertices, or a few less: " + LeastVertices())
       ->required()
       ->check(CLI::Range(std::uint64_t{1}, kMaxGeneratedVertices))
       ->type_name("N");

@@ -32,6 +32,11 @@ std::string Row(const char* name, const std::string& value) {
 
 std::string Triple(const Vec3& v) { return absl::StrFormat("(%.9g, %.9g, %.9g)", v.x, v.y, v.z); }
 
+// "1 loop", "2 loops".
+std::string Counted(std::uint64_t count, const char* what) {
+  return absl::StrFormat("%s %s%s", WithCommas(count), what, count == 1 ? "" : "s");
+}
+
 // "3-8 (3: 120, 4: 90, ...)".
 std::string HistogramText(const Histogram& histogram) {
   if (histogram.empty()) return "-";
@@ -58,9 +63,8 @@ std::string InfoText(const MeshInfo& info) {
   text += Row("sides of faces", HistogramText(info.arities));
   text += Row("valences", HistogramText(info.valences));
   text += Row("boundary", info.closed() ? "none: closed"
-                                        : absl::StrFormat("%s loops of %s edges",
-                                                          WithCommas(info.boundary_loops),
-                                                          WithCommas(info.boundary_edges)));
+                                        : Counted(info.boundary_loops, "loop") + " of " +
+                                              Counted(info.boundary_edges, "edge"));
   text += Row("components", WithCommas(info.components));
   text += Row("genus", info.genus ? std::to_string(*info.genus) : "-");
   text += Row("Euler", std::to_string(info.euler_characteristic));

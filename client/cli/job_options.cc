@@ -12,6 +12,7 @@
 #include <CLI/Validators.hpp>
 
 #include "absl/strings/str_cat.h"
+#include "client/cli/job_checks.h"
 #include "engine/base/context.h"
 #include "engine/solve/solve.h"
 #include "limn/v1/mesh.pb.h"
@@ -102,6 +103,13 @@ std::string CheckFinite(const std::string& text) {
   return {};
 }
 
+void CheckAtTheEnd(CLI::App& app, const JobOptions* options) {
+  app.parse_complete_callback([options] {
+    const absl::Status status = CheckTogether(*options);
+    if (!status.ok()) throw CLI::ValidationError(std::string(status.message()));
+  });
+}
+
 void AddSchemeFlags(CLI::App& app, JobOptions* options) {
   app.add_option("--scheme", options->scheme, "Subdivision scheme; loop is for triangles")
       ->check(OneOf(kSchemes))
@@ -138,6 +146,7 @@ void AddSolveFlags(CLI::App& app, JobOptions* options) {
       ->type_name("N");
   app.add_flag("--fair", options->fair,
                "Cure overshoot where edge lengths differ, when that lowers the bending energy");
+  CheckAtTheEnd(app, options);
 }
 
 void AddFilterFlags(CLI::App& app, JobOptions* options) {
@@ -184,6 +193,7 @@ void AddTessellationFlags(CLI::App& app, JobOptions* options) {
                "Mend a mesh that would be refused, and say what was changed: degenerate, repeated "
                "and turned faces, edges of more than two faces, vertices of several fans or of no "
                "face");
+  CheckAtTheEnd(app, options);
 }
 
 v1::InterpolateHeader MakeJobHeader(const JobOptions& options, const WantedOutputs& wanted) {

@@ -35,8 +35,8 @@ struct JobOptions {
 };
 
 // Add the flags of how the surface is found, and of its tessellation, how it travels and what is
-// done to the mesh before, which is not for evaluations. Values out of range end the parse with a
-// CLI::ValidationError.
+// done to the mesh before, which is not for evaluations. Values out of range, and flags that do not
+// go together, end the parse with a CLI::ValidationError. *options must live as long as app.
 void AddSolveFlags(CLI::App& app, JobOptions* options);
 void AddTessellationFlags(CLI::App& app, JobOptions* options);
 // The scheme and the boundary alone, and the filter's gains.

@@ -2,12 +2,14 @@
 // Runs one job to its end, with a progress bar, and lets another thread stop it.
 #include "client/cli/job_runner.h"
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "absl/cleanup/cleanup.h"
 #include "absl/strings/str_format.h"
+#include "client/cli/report.h"
 #include "client/result_collector.h"
 #include "engine/base/error.h"
 
@@ -50,11 +52,13 @@ absl::StatusOr<JobResult> RunJob(const Client& client, JobInput input, ProgressB
   input.mesh = PolygonMesh{};
 
   ResultCollector answer;
+  std::uint64_t received = 0;
   while (std::optional<v1::InterpolateResponse> message = job.Next()) {
     if (message->has_progress()) {
       ShowProgress(message->progress(), bar);
     } else if (message->has_tile()) {
-      bar->Show("receive", 0);
+      received += message->tile().vertex_count();
+      bar->Show("collect", ProgressBar::kUnknown, WithCommas(received) + " vertices");
     }
     LIMN_RETURN_IF_ERROR(answer.Add(*std::move(message)));
   }

@@ -12,15 +12,18 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/exit_status.h"
+#include "client/cli/usage.h"
 #include "engine/base/heap.h"
 
 namespace limn::cli {
 namespace {
 
 constexpr const char* kFooter =
-    "Exit status: 0 well; 1 the input was refused, or a file cannot be read or written; 2 the\n"
-    "command line makes no sense; 3 the server; 130 interrupted. After a failure no output file\n"
-    "is left that was not there before.";
+    "Exit status: 0 well, perhaps with a warning; 1 the input was refused, or a file cannot be "
+    "read\n"
+    "or written; 2 the command line makes no sense; 3 the server; 130 interrupted. After a failure "
+    "no\n"
+    "output file is left that was not there before.";
 
 // The help that was asked for goes to stdout; a mistake is named on stderr.
 ExitStatus AnswerParseError(const CLI::App& app, const CLI::ParseError& error) {
@@ -31,7 +34,7 @@ ExitStatus AnswerParseError(const CLI::App& app, const CLI::ParseError& error) {
   const auto chosen = app.get_subcommands();
   const std::string command =
       chosen.empty() ? app.get_name() : app.get_name() + " " + chosen.front()->get_name();
-  PrintError(std::string(error.what()) + "; see '" + command + " --help'");
+  PrintError(ExplainUsageError(app, error) + "; see '" + command + " --help'");
   return ExitStatus::kUsage;
 }
 

@@ -124,13 +124,16 @@ absl::StatusOr<std::string> ReadTextFile(const std::string& path) {
 
 absl::StatusOr<std::string> ReadStandardInput() { return ReadAll(stdin, "standard input"); }
 
+absl::Status WithMessage(const absl::Status& status, const std::string& message) {
+  absl::Status other(status.code(), message);
+  status.ForEachPayload(
+      [&](absl::string_view url, const absl::Cord& payload) { other.SetPayload(url, payload); });
+  return other;
+}
+
 absl::Status Surrounded(const std::string& before, const absl::Status& status,
                         const std::string& after) {
-  absl::Status surrounded(status.code(), absl::StrCat(before, status.message(), after));
-  status.ForEachPayload([&](absl::string_view url, const absl::Cord& payload) {
-    surrounded.SetPayload(url, payload);
-  });
-  return surrounded;
+  return WithMessage(status, absl::StrCat(before, status.message(), after));
 }
 
 absl::Status ParseMessage(const std::string& json, const MessageFile& file,

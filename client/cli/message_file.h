@@ -16,7 +16,9 @@ namespace limn::cli {
 [[nodiscard]] absl::StatusOr<std::string> ReadTextFile(const std::string& path);
 [[nodiscard]] absl::StatusOr<std::string> ReadStandardInput();
 
-// The same error with its detail, its message between these.
+// The same error with its detail and another message.
+[[nodiscard]] absl::Status WithMessage(const absl::Status& status, const std::string& message);
+// The same with its message between these.
 [[nodiscard]] absl::Status Surrounded(const std::string& before, const absl::Status& status,
                                       const std::string& after = "");
 

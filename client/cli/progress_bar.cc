@@ -31,9 +31,10 @@ std::string FormatProgress(std::string_view stage, double fraction, std::string_
   // The comparison is false for NaN, which counts as nothing done.
   const double done = fraction > 0 ? std::min(fraction, 1.0) : 0.0;
   const auto cells = static_cast<std::size_t>(done * kBarCells);
-  std::string line =
-      absl::StrFormat("[%s%s] %3d %% %s", std::string(cells, '#'),
-                      std::string(kBarCells - cells, '-'), static_cast<int>(done * 100), stage);
+  std::string line = fraction < 0 ? std::string(stage)
+                                  : absl::StrFormat("[%s%s] %3d %% %s", std::string(cells, '#'),
+                                                    std::string(kBarCells - cells, '-'),
+                                                    static_cast<int>(done * 100), stage);
   if (!note.empty()) line.append(", ").append(note);
   // One column stays free: a full line makes some terminals wrap.
   line.resize(std::min(line.size(), static_cast<std::size_t>(std::max(width - 1, 1))));

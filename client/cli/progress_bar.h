@@ -18,8 +18,10 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  // Shows a stage and how much of it is done, 0 to 1; `note` follows it. Cheap enough for every
-  // message: draws at most 20 times a second, and whenever the stage changes.
+  static constexpr double kUnknown = -1;
+
+  // Shows a stage and how much of it is done, 0 to 1 or kUnknown; `note` follows it. Cheap enough
+  // for every message: draws at most 20 times a second, and whenever the stage changes.
   void Show(std::string_view stage, double fraction, std::string_view note = "");
   // Removes the bar, so that something else can be printed.
   void Clear();
@@ -31,8 +33,8 @@ class ProgressBar {
   std::chrono::steady_clock::time_point last_;
 };
 
-// "[#####---------------]  25 % solve, sweep 3", cut off at `width` columns. fraction outside of
-// [0, 1] is clamped.
+// "[#####---------------]  25 % solve, sweep 3", cut off at `width` columns. A fraction above 1 is
+// clamped; one below 0 is not known: "collect, 1,000 vertices". NaN is 0.
 [[nodiscard]] std::string FormatProgress(std::string_view stage, double fraction,
                                          std::string_view note, int width);
 

@@ -2,8 +2,6 @@
 // A job's summary, for a person and for a program.
 #include "client/cli/report.h"
 
-#include <google/protobuf/util/json_util.h>
-
 #include <string_view>
 #include <utility>
 
@@ -153,16 +151,6 @@ std::string SummaryTable(const v1::Summary& summary) {
   table += Row("bytes to the server", WithCommas(summary.bytes_received()));
   table += Row("bytes from the server", WithCommas(summary.bytes_sent()));
   return table;
-}
-
-absl::StatusOr<std::string> SummaryJson(const v1::Summary& summary) {
-  google::protobuf::util::JsonPrintOptions options;
-  options.add_whitespace = true;
-  options.always_print_primitive_fields = true;
-  std::string json;
-  const auto status = google::protobuf::util::MessageToJsonString(summary, &json, options);
-  if (!status.ok()) return absl::InternalError("the report cannot be put into JSON");
-  return json;
 }
 
 }  // namespace limn::cli

@@ -13,7 +13,8 @@ namespace limn::cli {
 // A short table: sizes, what was repaired, sweeps, errors, time per stage, bytes on the wire.
 [[nodiscard]] std::string SummaryTable(const v1::Summary& summary);
 
-// The JSON mapping of limn.v1.Summary, indented, every field written.
+// The JSON mapping of limn.v1.Summary, indented, every field written; but the mapping of a repair,
+// originalVertex and originalFace, as lists of numbers.
 [[nodiscard]] absl::StatusOr<std::string> SummaryJson(const v1::Summary& summary);
 
 // 1234567 as "1,234,567".

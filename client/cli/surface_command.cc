@@ -11,6 +11,7 @@
 #include "client/cli/job_runner.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/report.h"
+#include "client/cli/solve_warning.h"
 #include "client/cli/staged_files.h"
 #include "client/io/mesh_reader.h"
 #include "engine/base/error.h"
@@ -77,6 +78,7 @@ ExitStatus RunSurfaceCommand(const SurfaceFlags& flags) {
       return FailWithFile(absl::ErrnoToStatus(errno, "cannot write to standard output"));
     }
   }
+  WarnAboutSolve(result->summary.solve(), flags.job);
   status = files.Commit();
   return status.ok() ? ExitStatus::kOk : FailWithFile(status);
 }

@@ -13,6 +13,7 @@
 #include <new>
 #include <stdexcept>
 #include <string_view>
+#include <system_error>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
@@ -53,17 +54,19 @@ absl::Status SystemError(const std::string& path) {
   return absl::ErrnoToStatus(errno, absl::StrCat("cannot read ", path));
 }
 
+absl::Status NotRegular(const std::string& path) {
+  return MakeError(absl::StrCat(path, " is not a regular file"),
+                   {.reason = Reason::kMalformedFile,
+                    .field = "file",
+                    .remedy = "Save the mesh to a file and name that"});
+}
+
 absl::StatusOr<Buffer<char>> ReadBytes(const std::string& path) {
   const InputFile file(path);
   if (file.descriptor() < 0) return SystemError(path);
   struct stat info = {};
   if (fstat(file.descriptor(), &info) != 0) return SystemError(path);
-  if (!S_ISREG(info.st_mode)) {
-    return MakeError(absl::StrCat(path, " is not a regular file"),
-                     {.reason = Reason::kMalformedFile,
-                      .field = "file",
-                      .remedy = "Save the mesh to a file and name that"});
-  }
+  if (!S_ISREG(info.st_mode)) return NotRegular(path);
   Buffer<char> bytes(static_cast<std::size_t>(info.st_size));
   std::size_t have = 0;
   while (have < bytes.size()) {
@@ -87,6 +90,8 @@ absl::StatusOr<PolygonMesh> Read(const std::string& path) {
     LIMN_RETURN_IF_ERROR(format.read({bytes.data(), bytes.size()}, &collector));
     return collector.Take();
   }
+  std::error_code error;
+  if (std::filesystem::is_directory(name, error)) return NotRegular(path);
   return MakeError(
       absl::StrCat("mesh files of extension \"", extension, "\" cannot be read: ", path),
       {.reason = Reason::kInvalidOption,

@@ -24,6 +24,14 @@ namespace {
 constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
 
 absl::Status SystemError(const std::string& target) {
+  const int what = errno;
+  const std::filesystem::path folder = std::filesystem::path(target).parent_path();
+  std::error_code error;
+  if (what == ENOENT && !folder.empty() && !std::filesystem::exists(folder, error)) {
+    return absl::NotFoundError(
+        absl::StrCat("cannot write ", target, ": the folder ", folder.string(), " does not exist"));
+  }
+  errno = what;
   return absl::ErrnoToStatus(errno, absl::StrCat("cannot write ", target));
 }
 

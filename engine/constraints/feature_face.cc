@@ -44,8 +44,10 @@ struct Seen {
 
   // From a to b, in (-pi, pi].
   double Angle(const Vec3& a, const Vec3& b) const {
-    const double height = Dot(a, normal) * Dot(b, normal);
-    return std::atan2(Dot(normal, Cross(a, b)), Dot(a, b) - height);
+    return std::atan2(Dot(normal, Cross(a, b)), Along(a, b));
+  }
+  double Along(const Vec3& a, const Vec3& b) const {
+    return Dot(a, b) - Dot(a, normal) * Dot(b, normal);
   }
   double Distance(const Vec3& a) const { return Norm(a - Dot(a, normal) * normal); }
 };
@@ -85,6 +87,18 @@ void FeatureImages::Reorder(absl::Span<const Vec3> point, const Vec3& centre,
   }
   const Seen seen = {NormalizedOrZero(area)};
   if (seen.normal == Vec3{0, 0, 0}) return;
+  // Nearly always all is well, which is cheaper to see: each step of the W is to the left, and each
+  // W within a right angle of its V, so that steps of less than half a turn are those of the
+  // sequence.
+  std::size_t well = 0;
+  while (well < m) {
+    const Vec3 to = crossings[well] - centre;
+    const Vec3 next = crossings[well + 1 == m ? 0 : well + 1] - centre;
+    if (!(seen.Along(point[well] - centre, to) > 0)) break;
+    if (!(Dot(seen.normal, Cross(to, next)) > 0)) break;
+    ++well;
+  }
+  if (well == m) return;
   directions_.clear();
   double vertex_angle = 0;
   std::int64_t turns = 0;

@@ -108,20 +108,19 @@ class TableMaker {
                       absl::StrCat("no edge joins vertices ", wish.from, " and ", wish.to),
                       "Name two vertices that are next to each other in a face");
       }
-      const std::string name = absl::StrCat("the edge from ", wish.from, " to ", wish.to);
       const Index twin = mesh_.twin()[h];
       if (!wish.face.has_value()) {
-        LIMN_RETURN_IF_ERROR(Take(entry, name, kElement, h, wish.value, &table_.edge));
+        LIMN_RETURN_IF_ERROR(Take(entry, kElement, h, wish.value, &table_.edge));
         if (twin == kNoIndex) continue;
-        LIMN_RETURN_IF_ERROR(Take(entry, name, kElement, twin, wish.value, &table_.edge));
+        LIMN_RETURN_IF_ERROR(Take(entry, kElement, twin, wish.value, &table_.edge));
         continue;
       }
       LIMN_RETURN_IF_ERROR(CheckFace(entry.At("face"), *wish.face));
       Index in_face = kNoIndex;
       if (mesh_.face()[h] == *wish.face) in_face = h;
       if (twin != kNoIndex && mesh_.face()[twin] == *wish.face) in_face = twin;
-      if (in_face == kNoIndex) return NotInFace(entry, *wish.face, name);
-      LIMN_RETURN_IF_ERROR(Take(entry, name, kInFace, in_face, wish.value, &table_.edge));
+      if (in_face == kNoIndex) return NotInFace(entry, *wish.face);
+      LIMN_RETURN_IF_ERROR(Take(entry, kInFace, in_face, wish.value, &table_.edge));
     }
     return absl::OkStatus();
   }
@@ -134,33 +133,38 @@ class TableMaker {
       const VertexFeature& wish = values_.vertices[i];
       LIMN_RETURN_IF_ERROR(CheckVertex(entry.At("vertex"), wish.vertex));
       LIMN_RETURN_IF_ERROR(CheckValue(entry, wish.value));
-      const std::string name = absl::StrCat("vertex ", wish.vertex);
       if (!wish.face.has_value()) {
         for (const Index h : FanOf(wish.vertex)) {
-          LIMN_RETURN_IF_ERROR(Take(entry, name, kElement, h, wish.value, &table_.vertex));
+          LIMN_RETURN_IF_ERROR(Take(entry, kElement, h, wish.value, &table_.vertex));
         }
         continue;
       }
       LIMN_RETURN_IF_ERROR(CheckFace(entry.At("face"), *wish.face));
       const Index h = CornerIn(*wish.face, wish.vertex);
-      if (h == kNoIndex) return NotInFace(entry, *wish.face, name);
-      LIMN_RETURN_IF_ERROR(Take(entry, name, kInFace, h, wish.value, &table_.vertex));
+      if (h == kNoIndex) return NotInFace(entry, *wish.face);
+      LIMN_RETURN_IF_ERROR(Take(entry, kInFace, h, wish.value, &table_.vertex));
     }
     return absl::OkStatus();
   }
 
   // Sets the value at a corner, unless it has one of its own.
-  absl::Status Take(const Entry& entry, const std::string& name, std::uint8_t how, Index h,
-                    double value, Buffer<double>* values) {
+  absl::Status Take(const Entry& entry, std::uint8_t how, Index h, double value,
+                    Buffer<double>* values) {
     if ((named_[h] & how) != 0) {
-      return Repeated(entry.At(how == kInFace ? "face" : list_member(entry)), name);
+      const std::string_view element = entry.list == "edges" ? "from" : "vertex";
+      return Repeated(entry.At(how == kInFace ? "face" : element), NameOf(entry));
     }
     named_[h] |= how;
     if (how == kInFace || (named_[h] & kInFace) == 0) (*values)[h] = value;
     return absl::OkStatus();
   }
-  static std::string_view list_member(const Entry& entry) {
-    return entry.list == "edges" ? "from" : "vertex";
+  // What an entry of edges or vertices is about.
+  std::string NameOf(const Entry& entry) const {
+    if (entry.list == "vertices") {
+      return absl::StrCat("vertex ", values_.vertices[entry.index].vertex);
+    }
+    const EdgeFeature& edge = values_.edges[entry.index];
+    return absl::StrCat("the edge from ", edge.from, " to ", edge.to);
   }
 
   absl::Status CheckVertex(const Entry& entry, Index vertex) const {
@@ -185,9 +189,9 @@ class TableMaker {
     return Refuse(Reason::kInvalidOption, entry, absl::StrCat(name, " is named before"),
                   "Name each element once, and once in a face");
   }
-  static absl::Status NotInFace(const Entry& entry, Index face, const std::string& name) {
+  absl::Status NotInFace(const Entry& entry, Index face) const {
     return Refuse(Reason::kInvalidOption, entry.At("face"),
-                  absl::StrCat(name, " is not in face ", face),
+                  absl::StrCat(NameOf(entry), " is not in face ", face),
                   "Name a face that has it, or none for all of them");
   }
 

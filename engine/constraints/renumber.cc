@@ -32,10 +32,11 @@ absl::Status Refuse(Reason reason, const Entry& entry, std::string_view message,
                           .remedy = std::string(remedy)});
 }
 
-absl::Status CheckRange(const Entry& entry, Index index, std::size_t count) {
+absl::Status CheckRange(const Entry& entry, Index index, std::size_t count,
+                        const char* what = "vertex") {
   if (index < count) return absl::OkStatus();
   return Refuse(Reason::kIndexOutOfRange, entry,
-                absl::StrCat("there is no ", index, ", the mesh has ", count),
+                absl::StrCat("there is no ", what, " ", index, ", the mesh has ", count),
                 "Vertices and faces are counted from 0");
 }
 
@@ -184,7 +185,8 @@ class Renumberer {
     if (given_.holes.empty()) return absl::OkStatus();
     Entry entry = {"constraints.holes"};
     for (; entry.index < given_.holes.size(); ++entry.index) {
-      LIMN_RETURN_IF_ERROR(CheckRange(entry, given_.holes[entry.index], origin_.face_count));
+      LIMN_RETURN_IF_ERROR(
+          CheckRange(entry, given_.holes[entry.index], origin_.face_count, "face"));
     }
     std::vector<bool> is_hole(origin_.face_count);
     for (const Index f : given_.holes) is_hole[f] = true;

@@ -39,10 +39,11 @@ absl::Status RefuseSize(std::string_view list, std::size_t size, std::size_t wan
                     .remedy = "Give one entry for each crease or corner, or for each crease edge"});
 }
 
-absl::Status CheckRange(const Entry& entry, Index index, std::size_t size) {
+absl::Status CheckRange(const Entry& entry, Index index, std::size_t size,
+                        const char* what = "vertex") {
   if (index < size) return absl::OkStatus();
   return Refuse(Reason::kIndexOutOfRange, entry,
-                absl::StrCat("there is no ", index, ", the mesh has ", size),
+                absl::StrCat("there is no ", what, " ", index, ", the mesh has ", size),
                 "Vertices and faces are counted from 0");
 }
 
@@ -209,7 +210,7 @@ class SharpnessMaker {
     for (std::size_t i = 0; i < input_.hole_indices.size(); ++i) {
       if (i % kEntriesPerCheck == 0) LIMN_RETURN_IF_ERROR(context_.Check());
       const Index f = input_.hole_indices[i];
-      LIMN_RETURN_IF_ERROR(CheckRange({"hole_indices", i}, f, mesh_.face_count()));
+      LIMN_RETURN_IF_ERROR(CheckRange({"hole_indices", i}, f, mesh_.face_count(), "face"));
       out_.hole[f] = 1;
     }
     return absl::OkStatus();

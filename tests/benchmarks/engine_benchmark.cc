@@ -15,6 +15,7 @@
 
 #include "engine/base/heap.h"
 #include "engine/base/parallel.h"
+#include "engine/constraints/features.h"
 #include "engine/constraints/perturb.h"
 #include "engine/interpolate.h"
 #include "engine/limit/doo_sabin_limit.h"
@@ -192,6 +193,27 @@ void BM_Limit(benchmark::State& state) {
       vertices);
 }
 
+// Feature values that have changed, on connectivity that is kept: every tenth edge has one of its
+// own, as in a model that somebody works on.
+void BM_FeatureValues(benchmark::State& state) {
+  Input& of = InputOf(static_cast<std::uint64_t>(state.range(0)));
+  Constraints constraints;
+  FeatureValues& values = constraints.features.emplace();
+  const PolygonWalk walk(of.mesh);
+  for (std::size_t e = 0; e < of.mesh.edge_count(); e += 10) {
+    const Index h = of.mesh.edge_half_edge()[e];
+    values.edges.push_back({.from = of.mesh.vertex()[h],
+                            .to = of.mesh.vertex()[walk.Next(h)],
+                            .value = static_cast<double>(e % 97) / 96});
+  }
+  FeatureSurface surface = OrDie(FeatureSurface::Create(of.context, of.mesh));
+  Measure(state, [&](Input& input) {
+    values.default_edge = values.default_edge == 0.5 ? 0.4 : 0.5;
+    OrDie(
+        surface.Make(input.context, {.points = input.given.positions, .constraints = constraints}));
+  });
+}
+
 // The whole job to level 2, with all its allocations.
 void BM_Interpolate(benchmark::State& state) {
   Measure(state, [](Input& input) {
@@ -210,6 +232,7 @@ void Register() {
       {"QuadSplit", BM_QuadSplit},
       {"Refine", BM_Refine},
       {"Limit", BM_Limit},
+      {"FeatureValues", BM_FeatureValues},
       {"Interpolate", BM_Interpolate}};
   for (const std::int64_t vertices : {11540, 100000, 1000000}) {
     for (const std::int64_t threads : {1, 2}) {

@@ -146,7 +146,7 @@ TEST_F(FeaturesE2e, WhatIsWrongIsSaidWithFileAndField) {
          "f.json: constraints.features.edges[0].to: no edge joins vertices 0 and 6");
   expect(errors(R"({"vertices": [{"vertex": 0, "value": "NaN"}]})", 1),
          "constraints.features.vertices[0].value: nan is not a number from 0 to 1");
-  expect(errors(kFeatures, 1, {"--repair"}), "output.repair");
+  expect(errors(kFeatures, 2, {"--repair"}), "--repair: repair gives faces other numbers");
   EXPECT_EQ(space_.Limn({"features", At("cube.obj"), "-o", At("s.obj")}).status, 2);
   EXPECT_EQ(Features({"-o", At("s.obj"), "--scheme", "loop"}).status, 2);
   // A file that is not there.

@@ -227,13 +227,12 @@ TEST_F(InterpolateE2e, RepairOnRequestSaysWhatWasChangedAndWhereItCameFrom) {
     EXPECT_NE(run.output.find(row), std::string::npos) << row << " in " << run.output;
   }
   ExpectInterpolates(ReadObj(At("sound.obj")), ReadObj(At("s.obj")));
-  v1::Summary summary;
-  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(ReadAll(At("r.json")), &summary).ok());
-  EXPECT_EQ(summary.input_vertices(), 9U);
-  std::string bytes;
-  for (char v = 1; v <= 8; ++v) bytes.append({v, 0, 0, 0});
-  EXPECT_EQ(summary.repair().original_vertex(), bytes);
-  EXPECT_EQ(summary.repair().original_face().size(), 6U * 4);
+  const std::string report = ReadAll(At("r.json"));
+  for (const char* member :
+       {"\"inputVertices\": \"9\"", "\"originalVertex\": [1, 2, 3, 4, 5, 6, 7, 8]",
+        "\"originalFace\": [0, 1, 2, 3, 5, 7]"}) {
+    EXPECT_NE(report.find(member), std::string::npos) << member << " in " << report;
+  }
 
   // A sound mesh is as it was.
   ASSERT_EQ(space_.Limn({"interpolate", At("sound.obj"), "-o", At("a.obj")}).status, 0);

@@ -185,10 +185,11 @@ TEST_F(RefusalE2e, FilesThatAreNotThereOrOfNoKnownKindAreNamed) {
   EXPECT_NE(missing.errors.find("nowhere.obj"), std::string::npos) << missing.errors;
   WriteAll(At("in.docx"), kCube);
   const RunResult unknown = space_.Limn({"interpolate", At("in.docx"), "-o", At("s.obj")});
-  EXPECT_EQ(unknown.status, 1);
+  EXPECT_EQ(unknown.status, 2);
   EXPECT_NE(unknown.errors.find("docx"), std::string::npos) << unknown.errors;
   const RunResult directory = space_.Limn({"interpolate", At("."), "-o", At("s.obj")});
   EXPECT_EQ(directory.status, 1);
+  EXPECT_NE(directory.errors.find("is not a regular file"), std::string::npos) << directory.errors;
   EXPECT_EQ(space_.Files(), std::vector<std::string>{"in.docx"});
 }
 

@@ -11,7 +11,7 @@
 namespace limn::experiments {
 
 void Die(const absl::Status& status) {
-  std::cerr << "zheng_cai: " << status.message() << "\n";
+  std::cerr << "experiment: " << status.message() << "\n";
   std::exit(1);
 }
 

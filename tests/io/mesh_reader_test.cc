@@ -203,6 +203,9 @@ TEST_F(MeshReaderTest, FolderIsRefused) {
   std::filesystem::create_directory(folder_.path("folder.obj"));
   const absl::Status status = ReadMeshFile(folder_.path("folder.obj")).status();
   EXPECT_EQ(GetErrorDetail(status)->reason, Reason::kMalformedFile) << status;
+  std::filesystem::create_directory(folder_.path("folder"));
+  EXPECT_EQ(GetErrorDetail(ReadMeshFile(folder_.path("folder")).status())->reason,
+            Reason::kMalformedFile);
 }
 
 TEST_F(MeshReaderTest, NoFacesIsAnEmptyMesh) {
