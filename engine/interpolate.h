@@ -35,8 +35,8 @@ struct InterpolateOptions {
   Scheme scheme = Scheme::kDooSabin;
   // First refinement. By default Doo-Sabin's is the modified one, Loop's its own, Catmull-Clark's
   // its own too, but where the equations are singular or nearly so (see engine/solve/regularity.h)
-  // half or all of the bilinear rule is blended in: such surfaces are Catmull-Clark surfaces of the
-  // once refined mesh. Named, a rule is kept to.
+  // half of the bilinear rule is blended in: such surfaces are Catmull-Clark surfaces of the once
+  // refined mesh. Named, a rule is kept to.
   std::optional<FirstRule> rule;
   // Refuse with ILL_CONDITIONED rather than blend in another rule.
   bool strict = false;

@@ -37,6 +37,7 @@ class EvaluateJob {
   const std::vector<StageTime>& stages() const { return job_.stages(); }
   // Bytes of samples until now.
   std::uint64_t bytes_sent() const { return first_ * wire::kSampleBytes; }
+  std::uint32_t level() const { return job_.level(); }
 
   // Whether a message may come after the upload. Errors: MALFORMED_REQUEST for a second header,
   // chunks or nothing; those of wire::CheckParameters.

@@ -60,6 +60,10 @@ class Job {
   const std::vector<StageTime>& stages() const { return stages_; }
   // Bytes of control mesh and tiles until now.
   std::uint64_t bytes_sent() const { return bytes_sent_; }
+  // Of the tessellation: asked for, or chosen once Run has ended.
+  std::uint32_t level() const {
+    return chord_bound_.has_value() ? spec_.engine.finest : spec_.engine.level;
+  }
 
  private:
   enum class Part { kRepair, kControlHeader, kControlChunks, kTiles, kSummary, kNone };

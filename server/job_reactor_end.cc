@@ -91,9 +91,11 @@ void JobReactor<Rpc>::LogEnd() {
     line.Add("message", std::string(status.message()));
   }
   line.Add("vertices", spec_.mesh.vertex_count()).Add("faces", spec_.mesh.face_count());
-  line.Add("level", std::uint64_t{spec_.engine.level}).Add("bytes_in", spec_.mesh.byte_count());
   // A job that still runs, or is still encoded, is not to be looked at.
-  if (job_ != nullptr && phase_ != Phase::kRunning && !encoding_) {
+  const bool at_rest = job_ != nullptr && phase_ != Phase::kRunning && !encoding_;
+  line.Add("level", std::uint64_t{at_rest ? job_->level() : spec_.engine.level});
+  line.Add("bytes_in", spec_.mesh.byte_count());
+  if (at_rest) {
     line.Add("bytes_out", job_->bytes_sent());
     for (const StageTime& stage : job_->stages()) {
       line.Add(std::string(stage.stage) + "_ms", stage.milliseconds);

@@ -34,11 +34,21 @@ absl::StatusOr<v1::InterpolateHeader> MakeHeader(const SurfaceFlags& flags) {
   return header;
 }
 
+// The level that a tolerance asks for is of use to a surface only.
+absl::Status CheckFlags(const SurfaceFlags& flags) {
+  if (flags.job.chord_tolerance && flags.outputs.surfaces.empty()) {
+    return MakeError("--chord-tolerance chooses the level of a surface, and none is written",
+                     {.reason = Reason::kInvalidOption,
+                      .field = "surface.chord_tolerance",
+                      .remedy = "Name a file for it with -o"});
+  }
+  return CheckOutputs(flags.outputs, {flags.input, flags.constraints, flags.features});
+}
+
 }  // namespace
 
 ExitStatus RunSurfaceCommand(const SurfaceFlags& flags) {
-  absl::Status status =
-      CheckOutputs(flags.outputs, {flags.input, flags.constraints, flags.features});
+  absl::Status status = CheckFlags(flags);
   if (!status.ok()) return FailWithOption(status);
   absl::StatusOr<v1::InterpolateHeader> header = MakeHeader(flags);
   if (!header.ok()) return FailWithFile(header.status());

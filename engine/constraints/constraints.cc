@@ -2,7 +2,6 @@
 #include "engine/constraints/constraints.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -98,9 +97,10 @@ absl::Status CheckNormal(std::size_t i, const Vec3& normal) {
 
 absl::Status CheckHandle(std::size_t i, double value) {
   // Written so that NaN is refused.
-  if (std::isfinite(value) && value > 0) return absl::OkStatus();
+  if (value >= kLeastHandle && value <= kLargestHandle) return absl::OkStatus();
   return Refuse(Reason::kInvalidOption, {.list = "shape_handles", .index = i, .member = ".value"},
-                absl::StrCat(value, " is not a finite number above 0"), "1 changes nothing");
+                absl::StrCat(value, " is not from ", kLeastHandle, " to ", kLargestHandle),
+                "1 changes nothing, less sharpens and more flattens");
 }
 
 absl::Status CheckSubset(const Context& context, const std::vector<Index>& vertices,
@@ -147,6 +147,19 @@ absl::Status ValidateConstraints(const Context& context, const Constraints& cons
   }
   if (!constraints.shape_handles.empty()) {
     LIMN_RETURN_IF_ERROR(CheckHandles(context, constraints.shape_handles, vertex_count));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ValidateDooSabinNormals(const Context& context, const Constraints& constraints,
+                                     const HalfEdgeMesh& mesh) {
+  for (std::size_t i = 0; i < constraints.normals.size(); ++i) {
+    if (i % kEntriesPerCheck == 0) LIMN_RETURN_IF_ERROR(context.Check());
+    const Index v = constraints.normals[i].vertex;
+    if (mesh.IsBoundary(v) || mesh.valence(v) != 2) continue;
+    return Refuse(Reason::kInvalidOption, {.list = "normals", .index = i, .member = ".vertex"},
+                  absl::StrCat("vertex ", v, " has two faces only, the surface no normal there"),
+                  "Leave its normal out, or cut one of its faces through it");
   }
   return absl::OkStatus();
 }

@@ -13,20 +13,26 @@
 #include "engine/base/vec3.h"
 #include "engine/constraints/feature_values.h"
 #include "engine/limit/surface_parameter.h"
+#include "engine/mesh/half_edge_mesh.h"
 #include "engine/mesh/polygon_mesh.h"
 
 namespace limn {
 
 // The surface's normal at an interpolated vertex is parallel to `normal`; its opposite means the
-// same. Any finite length above zero.
+// same. Any finite length above zero. Doo-Sabin: not inside the mesh at vertices of two faces,
+// around which the first refined mesh has only two points, and the surface no normal of its own.
 struct NormalConstraint {
   Index vertex = 0;
   Vec3 normal = {0, 0, 0};
 };
 
-// The type-V face of the vertex, interpolated or not, is scaled about its centroid: finite and
-// greater than 0; 1 changes nothing, above 1 flattens, below 1 sharpens. Point and normal of the
-// surface at the vertex stay; on a boundary the curve near the vertex takes part.
+// Between these the guarantees hold to rounding; beyond, points or normals would lose digits.
+inline constexpr double kLeastHandle = 1e-3;
+inline constexpr double kLargestHandle = 1e3;
+
+// The type-V face of the vertex, interpolated or not, is scaled about its centroid by this, from
+// kLeastHandle to kLargestHandle; 1 changes nothing, above 1 flattens, below 1 sharpens. Point and
+// normal of the surface at the vertex stay; on a boundary the curve near the vertex takes part.
 struct ShapeHandle {
   Index vertex = 0;
   double value = 1;
@@ -91,12 +97,20 @@ struct Constraints {
 // Checks everything said above. Errors, each with the field's path in the contract's words, such as
 // "constraints.normals[3].vertex", and its index: INDEX_OUT_OF_RANGE; INVALID_OPTION for repeated
 // vertices, for normals that are zero or not finite or at vertices that are not interpolated, for
-// handles that are not finite and positive; CANCELLED, DEADLINE_EXCEEDED. Cost: linear in the
+// handles out of their range; CANCELLED, DEADLINE_EXCEEDED. Cost: linear in the
 // constraints, and one bit a vertex. What is about edges and faces is checked when there is a
 // mesh: creases, corners and holes by engine/constraints/creases.h, surface_points by
 // engine/constraints/blend_targets.h, feature values by MakeFeatureTable. Thread-safe.
 [[nodiscard]] absl::Status ValidateConstraints(const Context& context,
                                                const Constraints& constraints,
                                                std::size_t vertex_count);
+
+// Checks that no normal stands at a vertex of two faces inside the mesh; Doo-Sabin. constraints: as
+// ValidateConstraints accepts them. Errors: INVALID_OPTION, naming the field, such as
+// "constraints.normals[3].vertex"; CANCELLED, DEADLINE_EXCEEDED. Cost: linear in the normals.
+// Thread-safe.
+[[nodiscard]] absl::Status ValidateDooSabinNormals(const Context& context,
+                                                   const Constraints& constraints,
+                                                   const HalfEdgeMesh& mesh);
 
 }  // namespace limn

@@ -79,7 +79,8 @@ struct PerturbTask {
 // they are only translated. Where the prescribed one lies in the plane of the face, within 1e-3
 // rad, so that the face would collapse to a line, the face is turned about its centroid onto the
 // prescribed plane instead, as in Nasri 1991; a face without any area is only projected, and the
-// surface may have no tangent plane there. Then, interpolated or not, the shape handle scales the
+// surface may have no tangent plane there (faces of two points are such; see
+// ValidateDooSabinNormals). Then, interpolated or not, the shape handle scales the
 // face about its centroid.
 //
 // On a boundary the centroid is the curve's point, ghosts move with their corners, and the curve

@@ -21,6 +21,7 @@ DooSabinJob::DooSabinJob(JobFrame* frame)
       rule_(frame->options.rule.value_or(FirstRule::kModified)) {}
 
 absl::Status DooSabinJob::Start(HalfEdgeMesh mesh) {
+  LIMN_RETURN_IF_ERROR(ValidateDooSabinNormals(context_, frame_.options.constraints, mesh));
   LIMN_ASSIGN_OR_RETURN(BoundaryCurve boundary, FindBoundary(context_, mesh));
   boundary.origin = frame_.origin;
   patches_.emplace(

@@ -68,9 +68,9 @@ class PrimalJob : public SchemeJob {
     std::vector<double> shares = {0};
     const bool quads = kind_ == RingKind::kQuads;
     if (quads && frame_.options.rule == FirstRule::kBilinear) shares = {1};
-    if (quads && !frame_.options.rule.has_value() && !frame_.options.strict) shares = {0, 0.5, 1};
+    if (quads && !frame_.options.rule.has_value() && !frame_.options.strict) shares = {0, 0.5};
     for (const double share : shares) {
-      LIMN_ASSIGN_OR_RETURN(const bool good, TrySolve(problem, share, share == shares.back()));
+      LIMN_ASSIGN_OR_RETURN(const bool good, TrySolve(problem, share));
       if (good) break;
     }
     return absl::OkStatus();
@@ -215,9 +215,9 @@ class PrimalJob : public SchemeJob {
     return context_.Check();
   }
 
-  // Solves with this share of the bilinear rule. False: the result is not to be used, or there is
-  // none. last: any result is.
-  absl::StatusOr<bool> TrySolve(const ControlMeshProblem& problem, double share, bool last) {
+  // Solves with this share of the bilinear rule. False: the equations are not to be solved with it,
+  // which half of it always cures: its bound is proved.
+  absl::StatusOr<bool> TrySolve(const ControlMeshProblem& problem, double share) {
     InterpolateResult& result = frame_.result;
     result.rule = share > 0 ? FirstRule::kBilinear : FirstRule::kStandard;
     result.bilinear_share = share;
@@ -235,29 +235,18 @@ class PrimalJob : public SchemeJob {
     }
     LIMN_ASSIGN_OR_RETURN(WeightedRows rows,
                           SharpRows(context_, kind_, {*mesh_, sharpness_}, share));
+    if (!frame_.options.rule.has_value() && share == 0) {
+      LIMN_ASSIGN_OR_RETURN(const bool nearly,
+                            IsNearlySingular(context_, {*mesh_, frame_.plan, stencil, rows}));
+      if (nearly && frame_.options.strict) return NotRegular();
+      if (nearly) return false;
+    }
     LIMN_RETURN_IF_ERROR(
         SetWeightedRows(context_, mesh_->vertex_count(), std::move(rows), &stencil));
-    const auto solve = [&](SolveMethod method) -> absl::Status {
-      SolveOptions options = frame_.options.solve;
-      options.method = method;
-      LIMN_ASSIGN_OR_RETURN(result.solve,
-                            SolveControlMesh(context_, problem, boundary_control_,
-                                             {.stencil = stencil, .options = options},
-                                             absl::MakeSpan(result.control_positions)));
-      return absl::OkStatus();
-    };
-    const SolveMethod asked = frame_.options.solve.method;
-    if (frame_.options.rule.has_value()) {
-      LIMN_RETURN_IF_ERROR(solve(asked));
-      return true;
-    }
-    // Which surface it is does not depend on the method that is asked for.
-    LIMN_RETURN_IF_ERROR(solve(SolveMethod::kAutomatic));
-    if (result.solve.trouble && frame_.options.strict) return NotRegular();
-    if (result.solve.trouble && !last) return false;
-    if (asked != SolveMethod::kAutomatic && asked != result.solve.method) {
-      LIMN_RETURN_IF_ERROR(solve(asked));
-    }
+    LIMN_ASSIGN_OR_RETURN(result.solve, SolveControlMesh(context_, problem, boundary_control_,
+                                                         {.stencil = std::move(stencil),
+                                                          .options = frame_.options.solve},
+                                                         absl::MakeSpan(result.control_positions)));
     return true;
   }
 
@@ -266,10 +255,8 @@ class PrimalJob : public SchemeJob {
         "solve.strict: the interpolation problem of this mesh is singular or nearly so",
         {.reason = Reason::kIllConditioned,
          .field = "solve.strict",
-         .remedy = kind_ == RingKind::kQuads
-                       ? "Leave strict out, which takes the first refinement bilinear, or "
-                         "interpolate fewer vertices"
-                       : "Leave strict out, make less of it sharp or interpolate fewer vertices"});
+         .remedy = "Leave strict out, which takes half of the first refinement bilinear, or "
+                   "interpolate fewer vertices"});
   }
 
   // Faces of this level, without holes, and the number of its vertices.

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "engine/base/buffer.h"
+#include "engine/solve/lanczos.h"
 
 namespace limn {
 namespace {
@@ -14,78 +14,23 @@ namespace {
 constexpr double kWorthwhile = 0.5;
 // Recursive residuals that have grown by this do not come back.
 constexpr double kGrown = 1e6;
-// Residuals in units of the scale that rounding alone may leave.
-constexpr double kRounding = 1e-13;
 
-// The tridiagonal matrix that conjugate gradients reduce L to, from the factors of their steps.
-class LanczosMatrix {
- public:
-  void Clear() {
-    diagonal_.clear();
-    off_diagonal_.clear();
-  }
-  // alpha, beta: length of step k, and the share of its direction in the next one.
-  void AddStep(double alpha, double beta) {
-    diagonal_.push_back(1 / alpha + carry_ * (diagonal_.empty() ? 0 : 1));
-    carry_ = beta / alpha;
-    off_diagonal_.push_back(std::sqrt(beta) / alpha);
-  }
-
-  // The least eigenvalue, at most 1, to 1e-6.
-  double Least() const {
-    double low = 0;
-    double high = 1;
-    if (CountBelow(high) == 0) return 1;
-    while (high - low > 1e-6) {
-      const double middle = (low + high) / 2;
-      (CountBelow(middle) > 0 ? high : low) = middle;
-    }
-    return high;
-  }
-
- private:
-  // Eigenvalues below x, by Sturm's sequence.
-  std::size_t CountBelow(double x) const {
-    std::size_t count = 0;
-    double pivot = 1;
-    for (std::size_t i = 0; i < diagonal_.size(); ++i) {
-      const double side = i == 0 ? 0 : off_diagonal_[i - 1] * off_diagonal_[i - 1];
-      pivot = diagonal_[i] - x - side / pivot;
-      if (pivot == 0) pivot = -1e-300;
-      if (pivot < 0) ++count;
-    }
-    return count;
-  }
-
-  std::vector<double> diagonal_;
-  std::vector<double> off_diagonal_;
-  double carry_ = 0;
-};
-
-// Starts a method from x until the true residual is small enough, starting again does not help, or
-// the products are spent. run(progress, start, residual) takes the residual of x down by its
-// recursion.
+// Starts a method from x until the true residual is small enough, starting again does not help
+// (what is left is rounding, or the method cannot do better), or the steps are spent. run(progress,
+// start, residual) takes the residual of x down by its recursion.
 template <class Run>
 absl::StatusOr<KrylovResult> WithTrueResidual(LinearSystem* system, const KrylovOptions& options,
                                               absl::Span<Vec3> x, const Run& run) {
-  KrylovProgress progress(system->context(), options.tolerance, options.max_products,
-                          options.scale);
+  KrylovProgress progress(system->context(), options.tolerance, options.max_steps);
   KrylovResult result;
   Buffer<Vec3> residual(system->size());
   LIMN_RETURN_IF_ERROR(system->Residual(x, absl::MakeSpan(residual), &result.residual));
   const double first = result.residual;
-  const double wanted = std::max(options.tolerance, kRounding * options.scale);
-  while (!progress.MetBy(result.residual) && !progress.ForbidsStepOf(1)) {
+  while (!progress.MetBy(result.residual) && !progress.ForbidsStep()) {
     const double before = result.residual;
     LIMN_RETURN_IF_ERROR(run(&progress, absl::MakeSpan(residual), &result));
     LIMN_RETURN_IF_ERROR(system->Residual(x, absl::MakeSpan(residual), &result.residual));
-    if (result.broke_down || result.residual <= kWorthwhile * before) {
-      if (result.broke_down) break;
-      continue;
-    }
-    // No better from here: trouble, unless that is rounding or there were no products left.
-    result.broke_down = result.residual > wanted && !progress.ForbidsStepOf(2);
-    break;
+    if (result.broke_down || !(result.residual <= kWorthwhile * before)) break;
   }
   // Never worse than the start.
   if (!(result.residual <= first)) {
@@ -94,7 +39,7 @@ absl::StatusOr<KrylovResult> WithTrueResidual(LinearSystem* system, const Krylov
     result.residual = first;
   }
   result.converged = !result.broke_down && progress.MetBy(result.residual);
-  result.products = progress.done();
+  result.steps = progress.done();
   return result;
 }
 
@@ -115,7 +60,7 @@ absl::StatusOr<KrylovResult> ConjugateGradient(LinearSystem* system,
     lanczos.Clear();
     LIMN_RETURN_IF_ERROR(system->Sum(norm, &rho));
     LIMN_RETURN_IF_ERROR(system->ForEach([&](std::size_t i) { direction[i] = r[i]; }));
-    while (rho > 0 && !progress->ForbidsStepOf(1)) {
+    while (rho > 0 && !progress->ForbidsStep()) {
       double curvature = 0;
       LIMN_RETURN_IF_ERROR(system->Product(direction, absl::MakeSpan(image)));
       LIMN_RETURN_IF_ERROR(system->Sum(
@@ -132,11 +77,12 @@ absl::StatusOr<KrylovResult> ConjugateGradient(LinearSystem* system,
             for (std::size_t i = begin; i < end; ++i) {
               x[i] += alpha * direction[i];
               r[i] -= alpha * image[i];
-              most = std::max(most, MaxAbs(r[i]));
+              most = std::max(most, system->length().Square(r[i]));
             }
             return most;
           },
           &largest));
+      largest = std::sqrt(largest);
       double next = 0;
       LIMN_RETURN_IF_ERROR(system->Sum(norm, &next));
       const double beta = next / rho;
@@ -172,7 +118,7 @@ absl::StatusOr<KrylovResult> BiconjugateGradientStabilized(LinearSystem* system,
     const double first = result->residual;
     LIMN_RETURN_IF_ERROR(system->ForEach([&](std::size_t i) { shadow[i] = direction[i] = r[i]; }));
     LIMN_RETURN_IF_ERROR(system->Sum([&](std::size_t i) { return Dot(r[i], r[i]); }, &rho));
-    while (rho != 0 && !progress->ForbidsStepOf(2)) {
+    while (rho != 0 && !progress->ForbidsStep()) {
       double against = 0;
       LIMN_RETURN_IF_ERROR(system->Product(direction, absl::MakeSpan(image)));
       LIMN_RETURN_IF_ERROR(with_shadow(image, &against));
@@ -197,12 +143,12 @@ absl::StatusOr<KrylovResult> BiconjugateGradientStabilized(LinearSystem* system,
             for (std::size_t i = begin; i < end; ++i) {
               x[i] += alpha * direction[i] + omega * r[i];
               r[i] -= omega * half[i];
-              most = std::max(most, MaxAbs(r[i]));
+              most = std::max(most, system->length().Square(r[i]));
             }
             return most;
           },
           &largest));
-      progress->Count(largest);
+      largest = std::sqrt(largest);
       progress->Count(largest);
       if (progress->MetBy(largest)) break;
       if (!(largest <= kGrown * first)) {

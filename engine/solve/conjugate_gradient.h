@@ -15,26 +15,24 @@
 namespace limn {
 
 struct KrylovOptions {
-  // Ends when the residual's largest coordinate, computed anew from x, is at most this.
+  // Ends when the longest residual, computed anew from x, is at most this part of the system's
+  // scale.
   double tolerance = 0;
-  // Products with L at the most.
-  std::uint32_t max_products = 100;
-  // Length that progress is told in parts of.
-  double scale = 1;
+  // At the most.
+  std::uint32_t max_steps = 100;
 };
 
 struct KrylovResult {
-  std::uint32_t products = 0;
+  std::uint32_t steps = 0;
   // Whether the true residual met the tolerance.
   bool converged = false;
-  // L turned out not to be positive definite, or residuals stopped falling or grew though products
-  // were left.
+  // L turned out not to be positive definite, or residuals grew.
   bool broke_down = false;
   // The least eigenvalue of L that the residual gave a hint of (Ritz value; never below the least
   // one but for rounding). 1 where the start is the solution; 0 after a breakdown. 0 from
   // BiconjugateGradientStabilized, which does not see it.
   double least_eigenvalue = 0;
-  // Largest coordinate of the true residual.
+  // The longest of the true residuals, over the system's scale.
   double residual = 0;
 };
 
@@ -49,7 +47,7 @@ struct KrylovResult {
                                                              const KrylovOptions& options,
                                                              absl::Span<Vec3> x);
 
-// The same for any L; two products a step, memory of six points a vertex. No bound of its steps is
+// The same for any L; two products a step, memory of five points a vertex. No bound of its steps is
 // known; it is tried.
 [[nodiscard]] absl::StatusOr<KrylovResult> BiconjugateGradientStabilized(
     LinearSystem* system, const KrylovOptions& options, absl::Span<Vec3> x);

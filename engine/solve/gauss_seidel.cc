@@ -2,6 +2,7 @@
 #include "engine/solve/gauss_seidel.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
@@ -9,9 +10,13 @@
 
 namespace limn {
 
-GaussSeidel::GaussSeidel(const HalfEdgeMesh& mesh, const LimitStencil& stencil,
-                         absl::Span<const Vec3> points, absl::Span<Vec3> x)
-    : mesh_(mesh), stencil_(stencil), points_(points), x_(x), centroids_(mesh.face_count()) {}
+GaussSeidel::GaussSeidel(const SolveProblem& problem, absl::Span<Vec3> x)
+    : mesh_(problem.mesh),
+      stencil_(problem.stencil),
+      points_(problem.points),
+      length_(problem.scale),
+      x_(x),
+      centroids_(mesh_.face_count()) {}
 
 absl::Status GaussSeidel::Sweep(const Context& context, double* largest) {
   // Anew in each sweep, so that rounding of the running updates does not build up.
@@ -33,12 +38,13 @@ absl::Status GaussSeidel::Sweep(const Context& context, double* largest) {
     }
     const Vec3 move = (1 / Diagonal(v)) * (points_[v] - LimitPoint(v));
     x_[v] += move;
-    *largest = std::max(*largest, MaxAbs(move));
+    *largest = std::max(*largest, length_.Square(move));
     for (Index i = mesh_.fan_begin()[v]; i < mesh_.fan_begin()[v + 1]; ++i) {
       const Index f = mesh_.face()[mesh_.fan()[i]];
       centroids_[f] += InverseArity(f) * move;
     }
   }
+  *largest = std::sqrt(*largest);
   return absl::OkStatus();
 }
 

@@ -10,18 +10,18 @@
 #include "engine/base/vec3.h"
 #include "engine/mesh/half_edge_mesh.h"
 #include "engine/scheme/limit_stencil.h"
+#include "engine/solve/linear_system.h"
+#include "engine/solve/solve.h"
 
 namespace limn {
 
 class GaussSeidel {
  public:
-  // points: the points I to interpolate; x: the control points, changed by each sweep. All
-  // arguments must outlive the object. mesh: from HalfEdgeMesh::Build.
-  GaussSeidel(const HalfEdgeMesh& mesh, const LimitStencil& stencil, absl::Span<const Vec3> points,
-              absl::Span<Vec3> x);
+  // x: the control points, changed by each sweep. Both arguments must outlive the object.
+  GaussSeidel(const SolveProblem& problem, absl::Span<Vec3> x);
 
-  // Solves each vertex's equation once, with the newest values of the others. *largest: largest
-  // move of a coordinate. Serial. Errors: CANCELLED and DEADLINE_EXCEEDED, seen every
+  // Solves each vertex's equation once, with the newest values of the others. *largest: the longest
+  // move over the problem's scale. Serial. Errors: CANCELLED and DEADLINE_EXCEEDED, seen every
   // kDefaultGrain vertices. Cost: two passes over corners; with FaceRule::kDooSabinImage as many
   // as the mean arity.
   [[nodiscard]] absl::Status Sweep(const Context& context, double* largest);
@@ -37,6 +37,7 @@ class GaussSeidel {
   const HalfEdgeMesh& mesh_;
   const LimitStencil& stencil_;
   absl::Span<const Vec3> points_;
+  const RelativeLength length_;
   absl::Span<Vec3> x_;
   Buffer<Vec3> centroids_;
 };

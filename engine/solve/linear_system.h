@@ -4,7 +4,7 @@
 // three times beside itself, and what they find does not depend on the axes.
 #pragma once
 
-#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -19,16 +19,32 @@
 
 namespace limn {
 
+// Lengths as parts of a scale, by their squares, which neither over- nor underflow where the scale
+// is a mesh's.
+class RelativeLength {
+ public:
+  // scale: greater than 0.
+  explicit RelativeLength(double scale) : inverse_(1 / scale) {}
+  double Square(const Vec3& a) const {
+    const Vec3 part = inverse_ * a;
+    return Dot(part, part);
+  }
+
+ private:
+  double inverse_;
+};
+
 class LinearSystem {
  public:
-  // limit: L; points: I, in slots; values: room for limit.face_value_count() face values. All must
-  // outlive this.
+  // limit: L; points: I, in slots; scale: what residuals are parts of; values: room for
+  // limit.face_value_count() face values. All must outlive this.
   LinearSystem(const Context& context, const LimitOperator& limit, absl::Span<const Vec3> points,
-               absl::Span<Vec3> values)
-      : context_(context), limit_(limit), points_(points), values_(values) {}
+               double scale, absl::Span<Vec3> values)
+      : context_(context), limit_(limit), points_(points), length_(scale), values_(values) {}
 
   const Context& context() const { return context_; }
   std::size_t size() const { return points_.size(); }
+  const RelativeLength& length() const { return length_; }
 
   // out = L x.
   [[nodiscard]] absl::Status Product(absl::Span<const Vec3> x, absl::Span<Vec3> out) {
@@ -43,18 +59,21 @@ class LinearSystem {
         &unused);
   }
 
-  // residual = I - L x; *largest: its largest coordinate, infinite where one is no number.
+  // residual = I - L x; *largest: the greatest of its lengths over the scale, infinite where one is
+  // no number.
   [[nodiscard]] absl::Status Residual(absl::Span<const Vec3> x, absl::Span<Vec3> residual,
                                       double* largest) {
     LIMN_RETURN_IF_ERROR(limit_.FaceValues(context_, x, values_));
-    return limit_.VisitLimits(
+    LIMN_RETURN_IF_ERROR(limit_.VisitLimits(
         context_, x.data(), values_.data(),
         [&](Index slot, const Vec3& limit) {
           residual[slot] = points_[slot] - limit;
-          return IsFinite(residual[slot]) ? MaxAbs(residual[slot])
+          return IsFinite(residual[slot]) ? length_.Square(residual[slot])
                                           : std::numeric_limits<double>::infinity();
         },
-        largest);
+        largest));
+    *largest = std::sqrt(*largest);
+    return absl::OkStatus();
   }
 
   // x = I.
@@ -80,34 +99,33 @@ class LinearSystem {
   const Context& context_;
   const LimitOperator& limit_;
   absl::Span<const Vec3> points_;
+  const RelativeLength length_;
   absl::Span<Vec3> values_;
 };
 
-// When a Krylov method ends, and what it tells after each product with L.
+// When a Krylov method ends, and what it tells after each step.
 class KrylovProgress {
  public:
-  // tolerance: of the residual's largest coordinate; products: at the most.
-  KrylovProgress(const Context& context, double tolerance, std::uint32_t products, double scale)
-      : context_(context), tolerance_(tolerance), products_(products), scale_(scale) {}
+  // tolerance: of the longest residual; steps: at the most.
+  KrylovProgress(const Context& context, double tolerance, std::uint32_t steps)
+      : context_(context), tolerance_(tolerance), steps_(steps) {}
 
-  // Whether a step of so many products goes beyond the most.
-  bool ForbidsStepOf(std::uint32_t products) const { return done_ + products > products_; }
+  bool ForbidsStep() const { return done_ >= steps_; }
   bool MetBy(double largest) const { return largest <= tolerance_; }
   std::uint32_t done() const { return done_; }
 
   void Count(double largest) {
     ++done_;
     context_.Report({.stage = "solve",
-                     .fraction = static_cast<double>(done_) / products_,
+                     .fraction = static_cast<double>(done_) / steps_,
                      .sweep = done_,
-                     .update = largest / scale_});
+                     .update = largest});
   }
 
  private:
   const Context& context_;
   const double tolerance_;
-  const std::uint32_t products_;
-  const double scale_;
+  const std::uint32_t steps_;
   std::uint32_t done_ = 0;
 };
 

@@ -7,6 +7,9 @@
 #include "engine/base/buffer.h"
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
+#include "engine/scheme/limit_operator.h"
+#include "engine/solve/least_eigenvalue.h"
+#include "engine/solve/solve.h"
 
 namespace limn {
 namespace {
@@ -80,11 +83,46 @@ class Bipartition {
   Buffer<std::uint8_t> side_;
 };
 
+// Gershgorin: whether the disk of a sharp vertex's row is to the right of kLeastRegularEigenvalue.
+bool OwnPointDominates(const HalfEdgeMesh& mesh, const WeightedRows& rows, std::size_t r) {
+  const Index fan = mesh.fan_begin()[rows.vertex[r]];
+  double own = 1;
+  for (std::size_t i = rows.begin[r]; i < rows.begin[r + 1]; ++i) {
+    const Index f = mesh.face()[mesh.fan()[fan + (i - rows.begin[r])]];
+    const double arity = mesh.face_begin()[f + 1] - mesh.face_begin()[f];
+    own -= rows.edge[i] + rows.face[i] * (1 - 1 / arity);
+  }
+  // No weight is negative, and they add up to 1.
+  return own - (1 - own) >= kLeastRegularEigenvalue;
+}
+
 }  // namespace
 
 absl::StatusOr<bool> CatmullClarkIsSingular(const Context& context, const SurfaceLevel& level,
                                             const VertexPlan& plan) {
   return Bipartition(context, level, plan).FindSingular();
+}
+
+absl::StatusOr<bool> IsNearlySingular(const Context& context, const InteriorEquations& equations) {
+  if (equations.smooth.spectrum_low >= kLeastRegularEigenvalue) return false;
+  const HalfEdgeMesh& mesh = equations.mesh;
+  Buffer<std::uint8_t> known(mesh.vertex_count());
+  LIMN_RETURN_IF_ERROR(ParallelFor(context, known.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      known[v] = mesh.IsBoundary(v) || !equations.plan.interpolated(v) ? 1 : 0;
+    }
+  }));
+  const WeightedRows& sharp = equations.sharp;
+  LIMN_RETURN_IF_ERROR(
+      ParallelFor(context, sharp.vertex.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t r = begin; r < end; ++r) {
+          if (OwnPointDominates(mesh, sharp, r)) known[sharp.vertex[r]] = 1;
+        }
+      }));
+  LimitStencil stencil = equations.smooth;
+  LIMN_RETURN_IF_ERROR(FixVertices(context, known, &stencil));
+  LIMN_ASSIGN_OR_RETURN(const LimitOperator limit, LimitOperator::Make(context, mesh, stencil));
+  return HasEigenvalueBelow(context, limit, kLeastRegularEigenvalue);
 }
 
 }  // namespace limn

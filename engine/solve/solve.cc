@@ -27,9 +27,10 @@ struct SweepFactors {
 // The unknowns of the simultaneous methods and everything a sweep needs, in the operator's slots.
 class Sweeper {
  public:
-  Sweeper(const Context& context, const LimitOperator& limit)
+  Sweeper(const Context& context, const LimitOperator& limit, double scale)
       : context_(context),
         limit_(limit),
+        scale_(scale),
         points_(limit.vertex_count()),
         x_(limit.vertex_count()),
         values_(limit.face_value_count()) {}
@@ -59,55 +60,63 @@ class Sweeper {
     });
   }
 
-  // *largest: largest move of a coordinate; without weights also the largest residual before it.
-  absl::Status Sweep(const SweepFactors& factors, double* largest) {
+  // *largest: what the sweep is judged by, over the scale: the longest move, or the longest
+  // residual before it.
+  absl::Status Sweep(const SweepFactors& factors, bool by_residual, double* largest) {
     LIMN_RETURN_IF_ERROR(limit_.FaceValues(context_, x_, absl::MakeSpan(values_)));
     Vec3* const out = next_.empty() ? x_.data() : next_.data();
     const Vec3* const x = x_.data();
     const Vec3* const points = points_.data();
     Vec3* const steps = step_.data();
+    const RelativeLength length(scale_);
     const auto update = [=](Index slot, const Vec3& residual, double gain) {
       const Vec3 step = factors.momentum * steps[slot] + gain * residual;
       steps[slot] = step;
       out[slot] = x[slot] + step;
       return step;
     };
-    if (weights_.empty()) {
+    if (by_residual) {
       LIMN_RETURN_IF_ERROR(limit_.VisitLimits(
           context_, x, values_.data(),
           [=](Index slot, const Vec3& limit) {
             const Vec3 residual = points[slot] - limit;
-            // Chebyshev's moves can vanish by accident, at a zero of its polynomial.
-            return std::max(MaxAbs(update(slot, residual, factors.gain)), MaxAbs(residual));
+            update(slot, residual, factors.gain);
+            return length.Square(residual);
           },
           largest));
     } else {
-      const double* const weights = weights_.data();
+      const double* const weights = weights_.empty() ? nullptr : weights_.data();
       LIMN_RETURN_IF_ERROR(limit_.VisitLimits(
           context_, x, values_.data(),
           [=](Index slot, const Vec3& limit) {
-            return MaxAbs(update(slot, points[slot] - limit, weights[slot]));
+            const double gain = weights == nullptr ? factors.gain : weights[slot];
+            return length.Square(update(slot, points[slot] - limit, gain));
           },
           largest));
     }
+    *largest = std::sqrt(*largest);
     if (!next_.empty()) x_.swap(next_);
     return absl::OkStatus();
   }
 
-  // Largest coordinate of I - L x, from x alone.
+  // The longest of I - L x over the scale, from x alone.
   absl::Status TrueResidual(double* largest) {
+    const RelativeLength length(scale_);
     LIMN_RETURN_IF_ERROR(limit_.FaceValues(context_, x_, absl::MakeSpan(values_)));
-    return limit_.VisitLimits(
+    LIMN_RETURN_IF_ERROR(limit_.VisitLimits(
         context_, x_.data(), values_.data(),
         [&](Index slot, const Vec3& limit) {
           const Vec3 residual = points_[slot] - limit;
-          return IsFinite(residual) ? MaxAbs(residual) : std::numeric_limits<double>::infinity();
+          return IsFinite(residual) ? length.Square(residual)
+                                    : std::numeric_limits<double>::infinity();
         },
-        largest);
+        largest));
+    *largest = std::sqrt(*largest);
+    return absl::OkStatus();
   }
 
   // Shares the room for face values.
-  LinearSystem System() { return {context_, limit_, points_, absl::MakeSpan(values_)}; }
+  LinearSystem System() { return {context_, limit_, points_, scale_, absl::MakeSpan(values_)}; }
   absl::Span<Vec3> x() { return absl::MakeSpan(x_); }
 
   absl::Status SetX(absl::Span<const Vec3> x) {
@@ -118,6 +127,7 @@ class Sweeper {
  private:
   const Context& context_;
   const LimitOperator& limit_;
+  const double scale_;
   Buffer<Vec3> points_;
   Buffer<Vec3> x_;
   Buffer<Vec3> values_;
@@ -153,18 +163,25 @@ class ChebyshevFactors {
   bool first_ = true;
 };
 
-// Moves this far, in diagonals of the bounding box, never come back.
-constexpr double kDiverged = 1e6;
+// Moves this far, in diagonals of the bounding box, seldom come back, and what does has lost as
+// many digits.
+constexpr double kDiverged = 1e3;
 
-// Sweeps until the largest move is small enough [ZC section 3.4, step 2].
+// What a Chebyshev sweep for the spectrum [1/2, 1] divides residuals by, about.
+constexpr double kReduction = 6;
+// Solutions are no further away than residuals over the least eigenvalue, of which more than this
+// is not counted: rounding would stop all progress.
+constexpr double kLeastCounted = 0.25;
+
+// Sweeps until what they are judged by is small enough [ZC section 3.4, step 2].
 template <class SweepFunction>
-absl::Status Iterate(const Context& context, double scale, const SolveOptions& options,
+absl::Status Iterate(const Context& context, const SolveOptions& options,
                      const SweepFunction& sweep, SolveReport* report) {
   while (report->sweeps < options.max_sweeps && !report->converged) {
     double largest = 0;
     LIMN_RETURN_IF_ERROR(sweep(&largest));
     ++report->sweeps;
-    report->last_update = largest / scale;
+    report->last_update = largest;
     report->converged = report->last_update <= options.tolerance;
     if (!(report->last_update <= kDiverged)) {
       return MakeError(absl::StrCat("the iteration diverges: sweep ", report->sweeps,
@@ -230,31 +247,42 @@ absl::Status CheckMethod(SolveMethod method, const LimitOperator& limit) {
 absl::Status SolveSerially(const Context& context, const SolveProblem& problem,
                            const SolveOptions& options, absl::Span<Vec3> x, SolveReport* report) {
   std::copy(problem.points.begin(), problem.points.end(), x.begin());
-  GaussSeidel serial(problem.mesh, problem.stencil, problem.points, x);
+  GaussSeidel serial(problem, x);
   return Iterate(
-      context, problem.scale, options,
-      [&](double* largest) { return serial.Sweep(context, largest); }, report);
+      context, options, [&](double* largest) { return serial.Sweep(context, largest); }, report);
 }
 
-absl::Status SolveBySweeps(const Context& context, const LimitOperator& limit, double scale,
+absl::Status SolveBySweeps(const Context& context, const LimitOperator& limit,
                            const SolveOptions& options, Sweeper* sweeper, SolveReport* report) {
   LIMN_RETURN_IF_ERROR(sweeper->StartSweeps());
   const bool chebyshev = report->method == SolveMethod::kChebyshev;
   if (report->method == SolveMethod::kJacobi) LIMN_RETURN_IF_ERROR(sweeper->UseJacobiWeights());
+  if (!chebyshev) {
+    return Iterate(
+        context, options, [&](double* largest) { return sweeper->Sweep({}, false, largest); },
+        report);
+  }
+  // Moves can vanish by accident, at a zero of the polynomial, so that residuals decide. A sweep
+  // sees those before it; near the end the ones that it leaves are looked at.
   ChebyshevFactors factors(limit.spectrum_low(), limit.spectrum_high());
+  const double distance = 1 / std::max(limit.spectrum_low(), kLeastCounted);
   return Iterate(
-      context, scale, options,
-      [&](double* largest) {
-        return sweeper->Sweep(chebyshev ? factors.Next() : SweepFactors{}, largest);
+      context, options,
+      [&](double* largest) -> absl::Status {
+        LIMN_RETURN_IF_ERROR(sweeper->Sweep(factors.Next(), true, largest));
+        *largest *= distance;
+        if (*largest > kReduction * options.tolerance) return absl::OkStatus();
+        LIMN_RETURN_IF_ERROR(sweeper->TrueResidual(largest));
+        *largest *= distance;
+        return absl::OkStatus();
       },
       report);
 }
 
 absl::Status SolveByConjugateGradients(const Context& context, const LimitOperator& limit,
-                                       double scale, const SolveOptions& options, Sweeper* sweeper,
+                                       const SolveOptions& options, Sweeper* sweeper,
                                        SolveReport* report) {
-  const KrylovOptions krylov = {
-      .tolerance = options.tolerance * scale, .max_products = options.max_sweeps, .scale = scale};
+  const KrylovOptions krylov = {.tolerance = options.tolerance, .max_steps = options.max_sweeps};
   LinearSystem system = sweeper->System();
   KrylovResult result;
   if (limit.symmetric()) {
@@ -264,12 +292,10 @@ absl::Status SolveByConjugateGradients(const Context& context, const LimitOperat
   } else {
     LIMN_ASSIGN_OR_RETURN(result, BiconjugateGradientStabilized(&system, krylov, sweeper->x()));
   }
-  report->sweeps = result.products;
+  report->sweeps = result.steps;
   report->converged = result.converged;
-  report->last_update = result.residual / scale;
+  report->last_update = result.residual;
   report->least_eigenvalue = result.least_eigenvalue;
-  report->trouble =
-      result.broke_down || (limit.symmetric() && result.least_eigenvalue < kLeastRegularEigenvalue);
   return absl::OkStatus();
 }
 
@@ -284,20 +310,18 @@ absl::StatusOr<SolveReport> Solve(const Context& context, const SolveProblem& pr
   report.method = Choose(options.method, limit);
   report.least_eigenvalue = std::max(0.0, limit.spectrum_low());
   LIMN_RETURN_IF_ERROR(CheckMethod(report.method, limit));
-  Sweeper sweeper(context, limit);
+  Sweeper sweeper(context, limit, problem.scale);
   LIMN_RETURN_IF_ERROR(sweeper.Start(problem.points));
   if (report.method == SolveMethod::kGaussSeidel) {
     LIMN_RETURN_IF_ERROR(SolveSerially(context, problem, options, solution, &report));
     LIMN_RETURN_IF_ERROR(sweeper.SetX(solution));
   } else {
-    LIMN_RETURN_IF_ERROR(
-        report.method == SolveMethod::kConjugateGradient
-            ? SolveByConjugateGradients(context, limit, problem.scale, options, &sweeper, &report)
-            : SolveBySweeps(context, limit, problem.scale, options, &sweeper, &report));
+    LIMN_RETURN_IF_ERROR(report.method == SolveMethod::kConjugateGradient
+                             ? SolveByConjugateGradients(context, limit, options, &sweeper, &report)
+                             : SolveBySweeps(context, limit, options, &sweeper, &report));
     LIMN_RETURN_IF_ERROR(sweeper.GetX(solution));
   }
   LIMN_RETURN_IF_ERROR(sweeper.TrueResidual(&report.residual));
-  report.residual /= problem.scale;
   return report;
 }
 

@@ -23,10 +23,11 @@ enum class SolveMethod {
   kAutomatic,
   // Chebyshev semi-iteration with the stencil's proven spectral bounds. No dot products. After k
   // sweeps the error is at most 1 / T_k((high + low) / (high - low)) of the start's in the norm
-  // weighted with valences, on every mesh: for the modified rule 2e-13 after 17 sweeps. In the
-  // maximum norm, which stops it, the two differ by at most sqrt(sum of valences / least valence);
-  // meshes of ordinary connectivity do not show it (at most 18 sweeps to 1e-12), some of very high
-  // genus take one or two more.
+  // weighted with valences, on every mesh: for the modified rule 2e-13 after 17 sweeps. What stops
+  // it is the longest residual, for which the proof loses a factor of sqrt(sum of valences / least
+  // valence). Meshes of ordinary connectivity show none of it, and take at most 17 sweeps to 1e-12;
+  // such as are made to show it, with large valences, arities and genus and the worst points on
+  // them, take 18 (see tests/oracle/rotation_map.h).
   kChebyshev,
   // Each vertex solves its own equation with the values of the sweep before [ZC Eq. 7]. Converges
   // for the modified rule; for the standard one it may diverge where faces have six or more
@@ -38,11 +39,13 @@ enum class SolveMethod {
   // and [CC]'s series. Converges where the spectrum is within (0, 2), slowly where it comes near 0.
   kSeries,
   // Conjugate gradients; for operators that are not symmetric, where something is sharp, their
-  // stabilised bi-orthogonal relative. A sweep is a product with L. Stops by the residual.
+  // stabilised bi-orthogonal relative. A sweep is a step: a product with L, two for the relative.
+  // Stops by the residual.
   kConjugateGradient,
 };
 
-// Solutions may be as much larger than what they interpolate as the inverse of this, and no more.
+// Solutions may be as much larger than what they interpolate as the inverse of this, and no more;
+// see engine/solve/regularity.h.
 inline constexpr double kLeastRegularEigenvalue = 1.0 / 32;
 
 // Largest max_sweeps.
@@ -50,9 +53,11 @@ inline constexpr std::uint32_t kMaxSweeps = 10'000;
 
 struct SolveOptions {
   SolveMethod method = SolveMethod::kAutomatic;
-  // [ZC]'s EPS: stop when the largest move of a vertex in a sweep (maximum norm) is at most this
-  // part of the bounding box's diagonal. Chebyshev asks it of the residual before the sweep too. In
-  // [0, 1). 0 runs max_sweeps.
+  // [ZC]'s EPS: stop when the longest move of a vertex in a sweep is at most this part of the
+  // bounding box's diagonal; Chebyshev: the longest residual after it over the least eigenvalue
+  // that is proved, but 1/4 at the least, which for Doo-Sabin is how far the solution may be away;
+  // conjugate gradients: the longest residual. In
+  // [0, 1). 0 runs max_sweeps, conjugate gradients until nothing is gained any more.
   double tolerance = 1e-12;
   // [ZC]'s ITE_MAX, 0 to kMaxSweeps. 0 leaves the given points as control points.
   std::uint32_t max_sweeps = 100;
@@ -67,18 +72,14 @@ struct SolveReport {
   std::uint32_t sweeps = 0;
   // Whether the tolerance was met within max_sweeps.
   bool converged = false;
-  // Largest move of the last sweep (Chebyshev: or residual before it; conjugate gradients: the
-  // residual) over the bounding box's diagonal.
+  // What the last sweep was judged by, see `tolerance` (Chebyshev far from it: the residual before
+  // the sweep).
   double last_update = 0;
-  // Largest coordinate of |I - L X|, computed anew from X, over the bounding box's diagonal.
+  // The longest of I - L X, computed anew from X, over the bounding box's diagonal.
   double residual = 0;
   // The least eigenvalue of L as far as it is known: what conjugate gradients have seen of it, or
   // the bound that is proved. 0: nothing is known, or L is not positive definite.
   double least_eigenvalue = 0;
-  // Conjugate gradients have found the equations singular, indefinite or nearly so: an eigenvalue
-  // below kLeastRegularEigenvalue, or residuals that do not fall. Running out of sweeps is no sign
-  // of it, and a bound that is not proved neither.
-  bool trouble = false;
 };
 
 // What to solve. Everything belongs to the caller and must outlive the call.
@@ -101,7 +102,7 @@ struct SolveProblem {
 // sweep (Gauss-Seidel: every kDefaultGrain vertices); `solution` is then undefined. Progress: stage
 // "solve", after each sweep.
 //
-// Cost: sweeps + 1 passes over corners; memory of one point per face, three per vertex (conjugate
+// Cost: sweeps + 2 passes over corners; memory of one point per face, three per vertex (conjugate
 // gradients five, or seven where L is not symmetric) and two indices per corner.
 // Same bits for any number of threads. Thread-safe.
 [[nodiscard]] absl::StatusOr<SolveReport> Solve(const Context& context, const SolveProblem& problem,

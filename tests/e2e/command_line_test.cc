@@ -79,6 +79,7 @@ TEST_F(CommandLineE2e, UsageErrorsEndWithTwoAndSayWhat) {
       {"interpolate", in, "-o", out, "--tolerance", "-1e-3"},
       {"interpolate", in, "-o", out, "--tolerance", "nan"},
       {"interpolate", in, "-o", out, "--max-sweeps", "10001"},
+      {"interpolate", in, "--chord-tolerance", "1e-3", "--report", At("report.json")},
       {"interpolate", in, "-o", out, "--solver", "magic"},
       {"interpolate", in, "-o", out, "--scheme", "magic"},
       {"interpolate", in, "-o", out, "--rule", "magic"},

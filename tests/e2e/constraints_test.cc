@@ -190,7 +190,7 @@ std::vector<BadFile> BadFiles() {
        R"({"shapeHandles": [{"vertex": 4, "value": 1}, {"vertex": 4, "value": 1}]})",
        "constraints.shape_handles[1].vertex: vertex 4 is named before"},
       {"HandleZero", R"({"shapeHandles": [{"vertex": 4}]})",
-       "constraints.shape_handles[0].value: 0 is not a finite number above 0"},
+       "constraints.shape_handles[0].value: 0 is not from 0.001 to 1000"},
       {"HandleNegative", R"({"shapeHandles": [{"vertex": 4, "value": -1}]})",
        "constraints.shape_handles[0].value: -1 is not"},
       {"HandleNan", R"({"shapeHandles": [{"vertex": 4, "value": "NaN"}]})",

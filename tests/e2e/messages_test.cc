@@ -159,7 +159,7 @@ std::vector<Mistake> Mistakes() {
        {"interpolate", in, "--scheme", "catmull-clark", "--strict"},
        1,
        "--strict: the interpolation problem of this mesh is singular or nearly so. Leave strict "
-       "out, which takes the first refinement bilinear, or interpolate fewer vertices"},
+       "out, which takes half of the first refinement bilinear, or interpolate fewer vertices"},
   };
 }
 

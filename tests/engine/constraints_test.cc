@@ -107,7 +107,13 @@ std::vector<BadConstraints> Cases() {
       {"HandleOutOfRange", Handles({{9, 1}}), kRange, handle + "[0].vertex", 0, "no vertex 9"},
       {"HandleRepeats", Handles({{1, 2}, {1, 2}}), kInvalid, handle + "[1].vertex", 1,
        "vertex 1 is named before, at index 0"},
-      {"HandleZero", Handles({{1, 2}, {2, 0}}), kInvalid, handle + "[1].value", 1, "above 0"},
+      {"HandleZero", Handles({{1, 2}, {2, 0}}), kInvalid, handle + "[1].value", 1,
+       "0 is not from 0.001 to 1000"},
+      {"HandleTooSmall", Handles({{1, std::nextafter(kLeastHandle, 0)}}), kInvalid,
+       handle + "[0].value", 0, "from 0.001 to 1000"},
+      {"HandleTooLarge", Handles({{1, std::nextafter(kLargestHandle, 2 * kLargestHandle)}}),
+       kInvalid, handle + "[0].value", 0, "from 0.001 to 1000"},
+      {"HandleHuge", Handles({{1, 1e300}}), kInvalid, handle + "[0].value", 0, "1e+300"},
       {"HandleNegative", Handles({{1, -2}}), kInvalid, handle + "[0].value", 0, "-2"},
       {"HandleNan", Handles({{1, kNan}}), kInvalid, handle + "[0].value", 0, "nan"},
       {"HandleInfinite", Handles({{1, kInfinity}}), kInvalid, handle + "[0].value", 0, "inf"},
@@ -123,10 +129,10 @@ TEST(ConstraintsTest, NothingAskedIsValid) {
   EXPECT_TRUE(ValidateConstraints(Context{}, {}, 0).ok());
 }
 
-TEST(ConstraintsTest, AnyOrderAnyLengthAndAnyPositiveHandleAreValid) {
+TEST(ConstraintsTest, AnyOrderAnyLengthAndHandlesOfTheWholeRangeAreValid) {
   Constraints constraints = Subset({7, 0, 3});
   constraints.normals = {{3, {0, 0, 5e-324}}, {7, {-1e308, 1e308, 0}}};
-  constraints.shape_handles = {{6, 5e-324}, {5, 1e308}, {3, 1}};
+  constraints.shape_handles = {{6, kLeastHandle}, {5, kLargestHandle}, {3, 1}};
   EXPECT_TRUE(ValidateConstraints(Context{}, constraints, kVertices).ok());
 }
 

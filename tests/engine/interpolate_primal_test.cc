@@ -108,9 +108,10 @@ class PrimalTest : public testing::TestWithParam<std::tuple<Rule, std::string>> 
   void ExpectInterpolates(const InterpolateResult& result, const Creases& creases) const {
     const Real size = Size(mesh_);
     EXPECT_TRUE(result.solve.converged) << result.solve.residual;
-    EXPECT_LE(result.solve.residual, 2e-12);
+    EXPECT_LE(result.solve.residual, 1e-12);
+    // The tolerance, and the rounding of the limit points.
     for (std::size_t v = 0; v < mesh_.vertex_count(); ++v) {
-      ASSERT_LE(MaxAbs(result.surface.positions[v] - mesh_.positions[v]), 4e-12 * size) << v;
+      ASSERT_LE(Norm(result.surface.positions[v] - mesh_.positions[v]), 1.01e-12 * size) << v;
     }
     EXPECT_LE(OracleError(mesh_, RefinedOnce(mesh_, result, rule(), creases), rule(),
                           SomeVertices(mesh_, creases)),
@@ -124,8 +125,6 @@ class PrimalTest : public testing::TestWithParam<std::tuple<Rule, std::string>> 
 TEST_P(PrimalTest, TheSurfacePassesThroughThePoints) { ExpectInterpolates(Run(), {}); }
 
 TEST_P(PrimalTest, TheSurfacePassesThroughThePointsWhereItIsSharp) {
-  // Badly conditioned ones among these take a little more than the default.
-  options_.solve.max_sweeps = 400;
   for (const std::uint64_t seed : {1U, 2U}) {
     SCOPED_TRACE(seed);
     Creases creases = oracle::RandomCreases(mesh_, seed);
@@ -293,20 +292,95 @@ TEST_F(CatmullClarkRuleTest, RunningOutOfSweepsDoesNotChangeTheRule) {
         LIMN_ASSERT_OK_AND_ASSIGN(const InterpolateResult result, Run(name, options));
         EXPECT_EQ(result.rule, FirstRule::kStandard);
         EXPECT_LE(result.solve.sweeps, solve.max_sweeps);
-        EXPECT_FALSE(result.solve.trouble);
       }
     }
   }
 }
 
-// Chebyshev, series and conjugate gradients give one surface.
-TEST_F(CatmullClarkRuleTest, TheMethodDoesNotChooseTheRule) {
-  for (const std::string name : {"dodecahedron", "ngons_seed_1", "torus_of_quads"}) {
+// Chebyshev, where its bound is proved, series and conjugate gradients.
+TEST_F(CatmullClarkRuleTest, EveryMethodGivesOneSurface) {
+  for (const std::string name : {"octahedron", "dodecahedron", "ngons_seed_1", "torus_of_quads"}) {
+    SCOPED_TRACE(name);
+    const PolygonMesh mesh = oracle::ClosedMesh(name);
+    LIMN_ASSERT_OK_AND_ASSIGN(const InterpolateResult automatic, Run(name));
+    for (const SolveMethod method :
+         {SolveMethod::kSeries, SolveMethod::kConjugateGradient, SolveMethod::kChebyshev}) {
+      LIMN_ASSERT_OK_AND_ASSIGN(const InterpolateResult by,
+                                Run(name, {.solve = {.method = method, .max_sweeps = 2000}}));
+      EXPECT_EQ(by.solve.method, method);
+      EXPECT_TRUE(by.solve.converged);
+      EXPECT_EQ(by.rule, automatic.rule);
+      EXPECT_EQ(by.bilinear_share, automatic.bilinear_share);
+      // Residuals of 1e-12, at the worst 32 times as much in the solutions, from both sides.
+      const Real near = 64e-12L * Size(mesh);
+      EXPECT_LE(oracle::MaxDistance(oracle::FromVec3(by.control_positions),
+                                    oracle::FromVec3(automatic.control_positions)),
+                near);
+      EXPECT_LE(oracle::MaxDistance(oracle::FromVec3(by.surface.positions),
+                                    oracle::FromVec3(automatic.surface.positions)),
+                near);
+    }
+  }
+}
+
+// Neither the points nor how, where and how far they are solved for.
+TEST(CatmullClarkRule, FollowsTheFacesAlone) {
+  const auto share = [](const PolygonMesh& mesh, const SolveOptions& solve) {
+    const auto result = Interpolate(
+        Context(), mesh, {.scheme = Scheme::kCatmullClark, .solve = solve, .surface = false});
+    EXPECT_TRUE(result.ok()) << result.status();
+    return result.ok() ? result->bilinear_share : -1;
+  };
+  const auto expect = [&](const PolygonMesh& mesh, double expected) {
+    const double size = static_cast<double>(Size(mesh));
+    for (const double shift : {0.0, 30.0, 1e6}) {
+      const PolygonMesh moved = oracle::Moved(mesh, 1, {shift * size, 0, 0});
+      for (const double tolerance : {0.0, 1e-14, 1e-12, 1e-6, 1e-3}) {
+        for (const std::uint32_t sweeps : {0U, 1U, 5U, 20U, 100U}) {
+          SCOPED_TRACE(absl::StrCat("shift ", shift, ", ", tolerance, ", sweeps ", sweeps));
+          const SolveOptions solve = {.tolerance = tolerance, .max_sweeps = sweeps};
+          ASSERT_EQ(share(moved, solve), expected);
+        }
+      }
+    }
     for (const SolveMethod method : {SolveMethod::kSeries, SolveMethod::kConjugateGradient}) {
-      const auto by = Run(name, {.solve = {.method = method, .max_sweeps = 2000}});
-      const auto automatic = Run(name, {.solve = {.max_sweeps = 2000}});
-      ASSERT_TRUE(by.ok() && automatic.ok()) << by.status() << automatic.status();
-      EXPECT_EQ(by->bilinear_share, automatic->bilinear_share) << name;
+      ASSERT_EQ(share(mesh, {.method = method}), expected);
+    }
+    ASSERT_EQ(share(oracle::Jittered(mesh, 3, 0.4 * size), {}), expected);
+  };
+  for (const std::uint64_t seed : {1U, 2U}) {
+    SCOPED_TRACE(absl::StrCat("seed: ", seed));
+    LIMN_ASSERT_OK_AND_ASSIGN(
+        const PolygonMesh ngons,
+        GenerateMesh({.kind = MeshKind::kNgons, .vertices = 562, .seed = seed}));
+    expect(ngons, 0.5);
+    LIMN_ASSERT_OK_AND_ASSIGN(const PolygonMesh sphere,
+                              GenerateMesh({.vertices = 562, .seed = seed}));
+    expect(sphere, 0);
+  }
+  // Its rounding errors far from the origin are large; an odd prism is not quite singular.
+  expect(oracle::Prism(1001), 0.5);
+}
+
+// With the defaults: by conjugate gradients' relative, of the standard rule or of half of it.
+TEST(CatmullClarkRule, CreasesOnNearlySingularMeshesConverge) {
+  LIMN_ASSERT_OK_AND_ASSIGN(const PolygonMesh mesh,
+                            GenerateMesh({.kind = MeshKind::kNgons, .vertices = 562, .seed = 1}));
+  const auto edges = oracle::NumberEdges(oracle::FromPolygonMesh(mesh).faces);
+  for (const float sharpness : {0.1F, 0.5F, 1.0F, 2.5F, 10.0F}) {
+    for (const double part : {0.2, 0.6, 1.0}) {
+      SCOPED_TRACE(absl::StrCat("sharpness ", sharpness, ", part ", part));
+      std::mt19937_64 random(5);
+      InterpolateOptions options = {.scheme = Scheme::kCatmullClark, .level = 0};
+      for (const auto& [edge, number] : edges) {
+        if (std::uniform_real_distribution<double>()(random) >= part) continue;
+        options.constraints.creases.push_back(
+            {{static_cast<Index>(edge.first), static_cast<Index>(edge.second)}, {sharpness}});
+      }
+      LIMN_ASSERT_OK_AND_ASSIGN(const InterpolateResult result,
+                                Interpolate(Context(), mesh, options));
+      EXPECT_TRUE(result.solve.converged) << result.solve.residual;
+      EXPECT_LE(result.solve.residual, 1e-12);
     }
   }
 }

@@ -96,6 +96,27 @@ TEST_P(PropertiesTest, AffineMapsMoveTheUnprojectedSurface) {
   }
 }
 
+// The control mesh is a linear function of the points, and the equations' rows add up to 1.
+TEST_P(PropertiesTest, AffineMapsMoveTheInterpolatingControlMesh) {
+  const auto map = [](const Vec3& p) {
+    return Vec3{-2 * p.x + 0.3 * p.y + 1, 0.5 * p.y - p.z, 0.1 * p.x + 3 * p.z - 4};
+  };
+  PolygonMesh moved = mesh_;
+  for (Vec3& p : moved.positions) p = map(p);
+  const auto solve = [](const PolygonMesh& mesh) {
+    auto result = Interpolate(Context(), mesh, {.solve = {.tolerance = 1e-14}, .surface = false});
+    EXPECT_TRUE(result.ok()) << result.status();
+    return result.ok() ? std::move(result->control_positions) : Buffer<Vec3>{};
+  };
+  const Buffer<Vec3> before = solve(mesh_);
+  const Buffer<Vec3> after = solve(moved);
+  ASSERT_EQ(before.size(), mesh_.vertex_count());
+  ASSERT_EQ(after.size(), mesh_.vertex_count());
+  for (std::size_t v = 0; v < before.size(); ++v) {
+    ASSERT_LE(MaxAbs(map(before[v]) - after[v]), 1e-12 * size_) << v;
+  }
+}
+
 // Faces of M^1 that are planar stay in their planes, and every centroid stays where it is.
 TEST_P(PropertiesTest, RefinementKeepsCentroidsAndPlanes) {
   auto result = Interpolate(Context(), mesh_, {.level = 0, .surface = false, .keep_patches = true});

@@ -35,6 +35,23 @@ TEST(ChordTolerance, IsTakenWhereAllTogetherMayHoldLessThanOneJob) {
   EXPECT_LE(summary.chord_bound(), 0.5);
 }
 
+TEST(ChordTolerance, TheLevelThatWasChosenIsLogged) {
+  const EventLog events;
+  const std::unique_ptr<Server> server = StartServer({.threads = 1, .log = events.log()});
+  v1::InterpolateHeader header = MakeHeader(0);
+  header.mutable_surface()->set_chord_tolerance(0.02);
+  RawCall call(server->InProcessChannel());
+  call.Write(MakeUpload(header, MakeSphere(200)));
+  std::uint32_t level = 0;
+  while (const std::optional<v1::InterpolateResponse> message = call.Read()) {
+    if (message->has_summary()) level = message->summary().level();
+  }
+  EXPECT_TRUE(call.Finish().ok()) << call.Finish();
+  ASSERT_GT(level, 0U);
+  EXPECT_NE(events.WaitFor("method=Interpolate").find(" level=" + std::to_string(level) + " "),
+            std::string::npos);
+}
+
 TEST(ChordTolerance, ThatNeedsMoreThanAJobMayIsRefusedWithOneThatDoesNot) {
   ServerOptions options{.threads = 1};
   options.limits.max_job_bytes = std::uint64_t{12} << 20;
