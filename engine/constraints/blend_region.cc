@@ -2,6 +2,7 @@
 #include "engine/constraints/blend_region.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace limn {
@@ -17,10 +18,13 @@ struct Rings {
   absl::flat_hash_map<Index, std::size_t> ring;
 };
 
-// The rings 0 to `last`, of the vertices that may_enter.
-template <class MayEnter>
+constexpr std::size_t kAllRings = std::numeric_limits<std::size_t>::max();
+
+// The rings 0 to `last`, of the vertices that may_enter. ends(v, ring): asked in ring order,
+// whether what comes after is not needed; the rings before that of v are whole then.
+template <class MayEnter, class Ends>
 Rings FindRings(const HalfEdgeMesh& mesh, absl::Span<const Index> start, std::size_t last,
-                const MayEnter& may_enter) {
+                const MayEnter& may_enter, const Ends& ends) {
   Rings rings;
   for (const Index v : start) {
     if (may_enter(v) && rings.ring.try_emplace(v, 0).second) rings.vertices.push_back(v);
@@ -28,7 +32,8 @@ Rings FindRings(const HalfEdgeMesh& mesh, absl::Span<const Index> start, std::si
   for (std::size_t i = 0; i < rings.vertices.size(); ++i) {
     const Index v = rings.vertices[i];
     const std::size_t ring = rings.ring[v];
-    if (ring == last) break;
+    if (ends(v, ring)) break;
+    if (ring == last) continue;
     VisitRing(mesh, v, [&](Index w) {
       if (may_enter(w) && rings.ring.try_emplace(w, ring + 1).second) rings.vertices.push_back(w);
     });
@@ -36,9 +41,8 @@ Rings FindRings(const HalfEdgeMesh& mesh, absl::Span<const Index> start, std::si
   return rings;
 }
 
-Rings FindRings(const HalfEdgeMesh& mesh, const BlendPlace& place, std::size_t last) {
-  return FindRings(mesh, place, last, [](Index) { return true; });
-}
+bool Always(Index /*v*/) { return true; }
+bool Never(Index /*v*/, std::size_t /*ring*/) { return false; }
 
 // 1 at t = 1 and 0 at t = 0, level at both.
 double Smooth(double t) { return t * t * (3 - 2 * t); }
@@ -67,16 +71,6 @@ void FindTouched(const BlendPlaces& places, std::size_t i, BlendRegion* region) 
                         region->touched.end());
 }
 
-// Ring of the nearest other place within the rings; kLargest + 1 without one.
-std::size_t NearestOther(const BlendPlaces& places, std::size_t i, const Rings& rings) {
-  for (const Index v : rings.vertices) {
-    bool other = false;
-    places.VisitAt(v, [&](std::size_t j) { other = other || j != i; });
-    if (other) return rings.ring.at(v);
-  }
-  return kLargest + 1;
-}
-
 }  // namespace
 
 void BlendPlaces::Add(BlendPlace place) {
@@ -86,12 +80,18 @@ void BlendPlaces::Add(BlendPlace place) {
 }
 
 std::vector<Index> Support(const HalfEdgeMesh& mesh, const BlendPlace& place) {
-  return FindRings(mesh, place, 1).vertices;
+  return FindRings(mesh, place, 1, Always, Never).vertices;
 }
 
 BlendRegion ChooseRegion(const BlendPlaces& places, std::size_t i) {
-  const Rings rings = FindRings(places.mesh(), places.At(i), kLargest);
-  const std::size_t nearest = NearestOther(places, i, rings);
+  std::size_t nearest = kLargest + 1;
+  const auto ends = [&](Index v, std::size_t ring) {
+    places.VisitAt(v, [&](std::size_t j) {
+      if (j != i) nearest = std::min(nearest, ring);
+    });
+    return ring >= kSmallest && nearest <= ring;
+  };
+  const Rings rings = FindRings(places.mesh(), places.At(i), kLargest, Always, ends);
   const std::size_t end = nearest <= kSmallest ? kSmallest : nearest - 1;
   const std::size_t plateau = end / 2;
   BlendRegion region;
@@ -107,7 +107,6 @@ BlendRegion ChooseRegion(const BlendPlaces& places, std::size_t i) {
 
 BlendRegion GivenRegion(const BlendPlaces& places, std::size_t i, absl::Span<const Index> faces) {
   const HalfEdgeMesh& mesh = places.mesh();
-  const Index arity = mesh.arity();
   const absl::flat_hash_set<Index> in_region(faces.begin(), faces.end());
   // Corners of faces whose vertices' faces are all in the region, so that a vertex moves when all
   // vertices of its faces are such.
@@ -132,7 +131,7 @@ BlendRegion GivenRegion(const BlendPlaces& places, std::size_t i, absl::Span<con
     moving[v] = all;
     return all;
   };
-  const Rings rings = FindRings(mesh, places.At(i), in_region.size() * arity, moves);
+  const Rings rings = FindRings(mesh, places.At(i), kAllRings, moves, Never);
   const std::vector<Index> support = Support(mesh, places.At(i));
   if (!std::all_of(support.begin(), support.end(), moves)) return {};
 
@@ -146,8 +145,8 @@ BlendRegion GivenRegion(const BlendPlaces& places, std::size_t i, absl::Span<con
     rim.push_back(v);
     nearest = std::min(nearest, rings.ring.at(v) + 1);
   }
-  const Rings inwards =
-      FindRings(mesh, rim, rings.vertices.size(), [&](Index v) { return rings.ring.contains(v); });
+  const Rings inwards = FindRings(
+      mesh, rim, kAllRings, [&](Index v) { return rings.ring.contains(v); }, Never);
   const std::size_t plateau = std::max<std::size_t>(1, nearest / 2);
   BlendRegion region;
   for (const Index v : rings.vertices) {
