@@ -63,7 +63,10 @@ Lane::Lane(const LaneOptions& options)
     : options_(options),
       delivery_({.count = static_cast<int>(options.workers), .niceness = options.niceness}),
       threads_({.count = static_cast<int>(options.workers),
-                .arena = std::make_shared<ThreadArena>(options.threads),
+                .arena = std::make_shared<ThreadArena>(
+                    ThreadArena::Options{.threads = options.threads,
+                                         .callers = static_cast<int>(options.workers),
+                                         .niceness = options.niceness}),
                 .niceness = options.niceness,
                 .patience = options.patience}) {}
 

@@ -27,7 +27,7 @@ struct LaneOptions {
   std::uint64_t queue_milliseconds = ~std::uint64_t{0};
   // Threads of the arena, 1 or more.
   int threads = 1;
-  // Of the threads that compute; see WorkerThreads.
+  // Of the threads that compute and deliver; see WorkerThreads.
   int niceness = 0;
   // After so long a waiting job goes before all others.
   std::chrono::steady_clock::duration patience = std::chrono::seconds(30);

@@ -18,6 +18,7 @@
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
 #include "engine/base/guard.h"
+#include "engine/base/heap.h"
 #include "engine/interpolate.h"
 #include "engine/mesh/generate.h"
 #include "server/limn_service.h"
@@ -41,6 +42,9 @@ constexpr std::chrono::milliseconds kLastCalls(500);
 // For work of ended streams to see that it is to stop.
 constexpr std::chrono::seconds kLastWork(2);
 constexpr int kSecond = 1000;
+// What stays with an idle process, and when the rest goes.
+constexpr std::size_t kKeptHeap = std::size_t{64} << 20;
+constexpr std::chrono::seconds kIdleBeforeTrim(2);
 // Large jobs let small ones go first where processors are scarce.
 constexpr int kBatchNiceness = 10;
 
@@ -82,7 +86,8 @@ void SetChannelArguments(const ServerLimits& limits, grpc::ServerBuilder* builde
   builder->AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS,
                               Milliseconds(limits.connection_idle_seconds));
   // For who connects and says nothing.
-  builder->AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 20 * kSecond);
+  builder->AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS,
+                              std::min(20 * kSecond, Milliseconds(limits.stall_seconds)));
   // Probing grows the windows to megabytes per stream, which nobody has admitted; a fixed window
   // bounds what slow readers and fast writers cost.
   builder->AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
@@ -107,11 +112,13 @@ struct Server::Impl {
   Impl(const ServerOptions& options, int threads)
       : core(options.limits, threads, options.listen.empty() ? 0 : kBatchNiceness,
              options.log != nullptr ? options.log : Log::Null()),
-        service(core) {}
+        service(core),
+        tidy_heap(!options.listen.empty()) {}
 
   void Watch();
   void RefreshFiles();
   void WatchLanes();
+  void TrimWhenIdle(Clock::time_point now);
   ServerSample Sample();
   absl::Status WarmUp();
   absl::Status Listen(const ServerOptions& options, grpc::ServerBuilder* builder);
@@ -127,6 +134,9 @@ struct Server::Impl {
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor;
   std::unique_ptr<grpc::Server> grpc_server;
   int metrics_port = 0;
+  // Whether the process is a server and nothing else.
+  const bool tidy_heap;
+  Clock::time_point last_busy = Clock::now();
   // Interactive and batch, for the watching thread.
   std::array<bool, 2> lanes_live{true, true};
   std::atomic<bool> live{true};
@@ -149,6 +159,7 @@ void Server::Impl::Watch() {
     core.streams.ForEach([now](OpenStream& stream) { stream.CheckStall(now); });
     RefreshFiles();
     WatchLanes();
+    TrimWhenIdle(now);
     lock.lock();
   }
 }
@@ -171,6 +182,16 @@ void Server::Impl::WatchLanes() {
   }
   if (live.exchange(all_live) == all_live) return;
   SetServing(all_live && !core.draining.load());
+}
+
+// The heap keeps what large jobs have given back, for the next one. When none comes, others may
+// have the memory.
+void Server::Impl::TrimWhenIdle(Clock::time_point now) {
+  if (!tidy_heap) return;
+  if (core.streams.size() > 0) last_busy = now;
+  if (now - last_busy < kIdleBeforeTrim) return;
+  last_busy = now;
+  if (TrimHeap(kKeptHeap)) core.log->Info(LogLine("memory_returned"));
 }
 
 ServerSample Server::Impl::Sample() {

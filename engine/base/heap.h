@@ -4,6 +4,8 @@
 
 #include <malloc.h>
 
+#include <cstddef>
+
 namespace limn {
 
 // For main() of programs that run jobs: freed memory of up to 256 MiB stays mapped, blocks below 64
@@ -14,6 +16,15 @@ inline void KeepHeap() {
   constexpr int kMiB = 1 << 20;
   mallopt(M_MMAP_THRESHOLD, 64 * kMiB);
   mallopt(M_TRIM_THRESHOLD, 256 * kMiB);
+}
+
+// Gives the heap's free pages back to the system if there are more than so many bytes of them, as
+// after a large job. Cost: up to milliseconds for each 100 MiB, in which others wait for the heap;
+// for when nothing runs. Whether it did. Thread-safe.
+inline bool TrimHeap(std::size_t keep) {
+  if (mallinfo2().fordblks <= keep) return false;
+  malloc_trim(0);
+  return true;
 }
 
 }  // namespace limn

@@ -188,8 +188,22 @@ template <class Count, class Place>
 // among them. Thread-safe; several jobs may share an arena.
 class ThreadArena {
  public:
-  // threads: 1 or more; 0 means one per processor that this process may use.
-  explicit ThreadArena(int threads);
+  struct Options {
+    // Threads that a lone caller's loops use; 1 or more, 0 means one per processor that this
+    // process may use.
+    int threads = 0;
+    // Callers that may be in Execute at a time, 1 or more, each of which runs what it brought at
+    // once and itself. One more than that would wait for a thread, or have its work run inside of
+    // another's.
+    int callers = 1;
+    // Nice value (setpriority(2)) of the threads that help, relative to the process's; none leaves
+    // theirs alone. Where the system does not allow to go back to a lower one, they keep the
+    // higher.
+    std::optional<int> niceness = std::nullopt;
+  };
+  explicit ThreadArena(const Options& options);
+  // For one caller.
+  explicit ThreadArena(int threads) : ThreadArena(Options{.threads = threads}) {}
   ~ThreadArena();
   ThreadArena(const ThreadArena&) = delete;
   ThreadArena& operator=(const ThreadArena&) = delete;
@@ -207,7 +221,7 @@ class ThreadArena {
     }
   }
 
-  // Threads of this arena.
+  // Threads of this arena, callers among them.
   int threads() const;
 
  private:

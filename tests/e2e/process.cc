@@ -64,10 +64,11 @@ pid_t Spawn(const std::vector<std::string>& command, const std::array<std::strin
 
 std::vector<std::string> ServerCommand(const Workspace& workspace,
                                        const std::vector<std::string>& flags,
-                                       const std::string& preload) {
+                                       const std::string& preload,
+                                       const std::vector<std::string>& prefix) {
   std::filesystem::remove(workspace.log("port"));
-  std::vector<std::string> command;
-  if (!preload.empty()) command = {"/usr/bin/env", "LD_PRELOAD=" + preload};
+  std::vector<std::string> command = prefix;
+  if (!preload.empty()) command.insert(command.end(), {"/usr/bin/env", "LD_PRELOAD=" + preload});
   command.insert(command.end(), {LIMND_BINARY, "--listen", "127.0.0.1:0", "--port-file",
                                  workspace.log("port").string()});
   command.insert(command.end(), flags.begin(), flags.end());
@@ -170,8 +171,9 @@ std::vector<std::string> Workspace::Files() const {
 }
 
 ServerProcess::ServerProcess(const Workspace& workspace, const std::vector<std::string>& flags,
-                             Process::Errors errors, const std::string& preload)
-    : process_(ServerCommand(workspace, flags, preload), workspace.log("limnd"), errors) {
+                             Process::Errors errors, const std::string& preload,
+                             const std::vector<std::string>& prefix)
+    : process_(ServerCommand(workspace, flags, preload, prefix), workspace.log("limnd"), errors) {
   std::string port;
   WaitUntil(20, [&] {
     port = ReadAll(workspace.log("port"));

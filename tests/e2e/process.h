@@ -86,10 +86,12 @@ class Workspace {
 class ServerProcess {
  public:
   // flags: beside --listen and --port-file. preload: a library that stands in for parts of others,
-  // or nothing. Throws std::runtime_error when it does not come up.
+  // or nothing. prefix: a command that runs the one behind it, such as prlimit. Throws
+  // std::runtime_error when it does not come up.
   explicit ServerProcess(const Workspace& workspace, const std::vector<std::string>& flags = {},
                          Process::Errors errors = Process::Errors::kFile,
-                         const std::string& preload = "");
+                         const std::string& preload = "",
+                         const std::vector<std::string>& prefix = {});
 
   const std::string& address() const { return address_; }
   // Everything that it has printed.

@@ -10,6 +10,7 @@
 #include "proto/wire/draco_header.h"
 #include "proto/wire/mesh_codec.h"
 #include "tests/engine/allocation_meter.h"
+#include "tests/oracle/slowdown.h"
 #include "tests/wire/foreign_draco.h"
 #include "tests/wire/test_meshes.h"
 
@@ -53,7 +54,8 @@ std::vector<std::string> Samples() {
 }
 
 void ExpectCheap(const std::function<void()>& work,
-                 std::chrono::seconds limit = std::chrono::seconds(1)) {
+                 std::chrono::milliseconds limit = std::chrono::milliseconds(50) *
+                                                   oracle::kSlowdown) {
   // Not the process's resident pages: sanitizers keep freed memory for a while.
   const AllocationMeter meter;
   const auto start = std::chrono::steady_clock::now();
