@@ -137,6 +137,7 @@ struct Server::Impl {
   // Whether the process is a server and nothing else.
   const bool tidy_heap;
   Clock::time_point last_busy = Clock::now();
+  bool trimmed = false;
   // Interactive and batch, for the watching thread.
   std::array<bool, 2> lanes_live{true, true};
   std::atomic<bool> live{true};
@@ -188,9 +189,13 @@ void Server::Impl::WatchLanes() {
 // have the memory.
 void Server::Impl::TrimWhenIdle(Clock::time_point now) {
   if (!tidy_heap) return;
-  if (core.streams.size() > 0) last_busy = now;
-  if (now - last_busy < kIdleBeforeTrim) return;
-  last_busy = now;
+  if (core.streams.size() > 0) {
+    last_busy = now;
+    trimmed = false;
+  }
+  if (trimmed || now - last_busy < kIdleBeforeTrim) return;
+  // Once: what has gone back still counts as free in the heap's books.
+  trimmed = true;
   if (TrimHeap(kKeptHeap)) core.log->Info(LogLine("memory_returned"));
 }
 

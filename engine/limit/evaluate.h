@@ -31,6 +31,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <variant>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -38,20 +39,15 @@
 #include "engine/base/context.h"
 #include "engine/base/vec3.h"
 #include "engine/limit/primal_surface.h"
+#include "engine/limit/surface_parameter.h"
 #include "engine/refine/doo_sabin_surface.h"
 
 namespace limn {
 
 class PatchSource;
 
-// A point of the parameter domain. Both coordinates in [0, 1], denormal numbers too.
-struct SurfaceParameter {
-  Index face = 0;
-  // Of the face, 0 to arity - 1.
-  Index corner = 0;
-  double u = 0;
-  double v = 0;
-};
+// A limit surface of any scheme.
+using LimitSurface = std::variant<DooSabinSurface, PrimalSurface>;
 
 // Where to write: each span has one element per parameter, or none when it is not asked for.
 struct SurfaceSamples {
@@ -73,6 +69,8 @@ class SurfaceEvaluator {
                                                                const DooSabinSurface& surface);
   [[nodiscard]] static absl::StatusOr<SurfaceEvaluator> Create(const Context& context,
                                                                const PrimalSurface& surface);
+  [[nodiscard]] static absl::StatusOr<SurfaceEvaluator> Create(const Context& context,
+                                                               const LimitSurface& surface);
   SurfaceEvaluator(SurfaceEvaluator&&) noexcept;
   SurfaceEvaluator& operator=(SurfaceEvaluator&&) noexcept;
   ~SurfaceEvaluator();
@@ -102,12 +100,14 @@ class SurfaceEvaluator {
   std::unique_ptr<const PatchSource> source_;
 };
 
-// Both at once.
-[[nodiscard]] absl::Status EvaluateSurface(const Context& context, const DooSabinSurface& surface,
+// Both at once, of any of the three.
+template <class Surface>
+[[nodiscard]] absl::Status EvaluateSurface(const Context& context, const Surface& surface,
                                            absl::Span<const SurfaceParameter> parameters,
-                                           const SurfaceSamples& samples);
-[[nodiscard]] absl::Status EvaluateSurface(const Context& context, const PrimalSurface& surface,
-                                           absl::Span<const SurfaceParameter> parameters,
-                                           const SurfaceSamples& samples);
+                                           const SurfaceSamples& samples) {
+  const absl::StatusOr<SurfaceEvaluator> evaluator = SurfaceEvaluator::Create(context, surface);
+  if (!evaluator.ok()) return evaluator.status();
+  return evaluator->Evaluate(context, parameters, samples);
+}
 
 }  // namespace limn

@@ -39,4 +39,26 @@ absl::StatusOr<PrimalSurface> MakeLoopSurface(HalfEdgeMesh mesh, Sharpness sharp
                        .points = std::move(points)};
 }
 
+Index FindPatch(const PrimalSurface& surface, const SurfaceParameter& parameter,
+                PatchPlace* place) {
+  const bool quads = surface.kind == RingKind::kQuads;
+  const auto sides = static_cast<Index>(quads ? 4 : 3);
+  *place = {.kind = surface.kind, .u = parameter.u, .v = parameter.v};
+  Index h = quads ? 4 * (surface.face_begin[parameter.face] + parameter.corner)
+                  : 3 * parameter.face + parameter.corner;
+  for (std::uint32_t k = 0; k < surface.depth; ++k) {
+    const auto near = static_cast<Index>(place->CornerNear());
+    place->EnterChild();
+    if (near == sides) {
+      // The middle triangle.
+      h = 3 * (4 * (h / 3) + 3) + h % 3;
+      continue;
+    }
+    const Index first = h - h % sides;
+    h = first + (h % sides + near) % sides;
+    h = quads ? 4 * h : 3 * CornerTriangle(h);
+  }
+  return h;
+}
+
 }  // namespace limn

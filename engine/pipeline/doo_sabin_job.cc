@@ -29,6 +29,28 @@ absl::Status DooSabinJob::Start(HalfEdgeMesh mesh) {
   return absl::OkStatus();
 }
 
+absl::Status DooSabinJob::LimitPoints(absl::Span<const Vec3> control, absl::Span<Vec3> limits) {
+  const HalfEdgeMesh& mesh = patches_->mesh;
+  patches_->corners.resize(mesh.half_edge_count());
+  const absl::Span<Vec3> corners = absl::MakeSpan(patches_->corners);
+  LIMN_RETURN_IF_ERROR(FirstRefinement(context_, mesh, control, corners, rule_));
+  BoundaryCurve curve = patches_->boundary;
+  if (!curve.empty()) {
+    Buffer<Vec3> points(curve.size());
+    for (std::size_t i = 0; i < curve.size(); ++i) {
+      points[i] = control[mesh.vertex()[curve.half_edge[i]]];
+    }
+    Buffer<std::uint8_t> free(curve.size());
+    std::fill(free.begin(), free.end(), std::uint8_t{0});
+    double unused = 0;
+    LIMN_RETURN_IF_ERROR(PlaceBoundary(
+        context_, {.mesh = mesh, .points = points, .control = points, .interpolated = free}, &curve,
+        &unused));
+  }
+  return DooSabinLimit(context_, {.mesh = mesh, .fans = fans_, .k = 1, .boundary = &curve}, corners,
+                       {.points = limits, .normals = {}, .vertices_only = true});
+}
+
 absl::Status DooSabinJob::FindControlMesh() {
   InterpolateResult& result = frame_.result;
   const ControlMeshProblem problem = frame_.Problem(patches_->mesh);

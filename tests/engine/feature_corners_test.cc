@@ -58,7 +58,7 @@ TEST(PlaneFaces, CornersAreThePapers) {
   const PolygonMesh cube = oracle::Cube();
   const FeatureValues values = Planes({0, 2}, 0.3);
   const InterpolateResult result = Made(cube, values, 1);
-  const DooSabinSurface& surface = *result.patches;
+  const DooSabinSurface& surface = std::get<DooSabinSurface>(*result.patches);
   const HalfEdgeMesh built = oracle::BuildOrDie(cube);
   const PolygonWalk walk(built);
   const oracle::Points images = oracle::AllFeatureImages(oracle::FromPolygonMesh(cube), values);
@@ -93,7 +93,7 @@ TEST(PlaneFaces, CornersAreThePapers) {
 TEST(PlaneFaces, GhostsOfSharpVerticesRefineIntoGhosts) {
   for (const int sides : {6, 8, 13}) {
     const InterpolateResult result = Made(Cone(sides), Planes({1, 4}, 0.35), 0);
-    const DooSabinSurface& surface = *result.patches;
+    const DooSabinSurface& surface = std::get<DooSabinSurface>(*result.patches);
     const Context context;
     LIMN_ASSERT_OK_AND_ASSIGN(const ExtraordinaryFans fans,
                               FindExtraordinaryFans(context, surface.mesh));
@@ -257,7 +257,7 @@ TEST(PlaneFaces, FeetStayOnTheirEdgeAndInOrder) {
   for (const Index v : top) prism.positions[v].x += 9;
   const FeatureValues values = Planes({0}, 0.9);
   const InterpolateResult result = Made(prism, values, 0);
-  const BoundaryCurve& curve = result.patches->boundary;
+  const BoundaryCurve& curve = std::get<DooSabinSurface>(*result.patches).boundary;
   const HalfEdgeMesh built = oracle::BuildOrDie(prism);
   std::size_t at_an_end = 0;
   for (std::size_t i = 0; i < curve.size(); ++i) {

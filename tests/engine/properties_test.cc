@@ -121,7 +121,7 @@ TEST_P(PropertiesTest, AffineMapsMoveTheInterpolatingControlMesh) {
 TEST_P(PropertiesTest, RefinementKeepsCentroidsAndPlanes) {
   auto result = Interpolate(Context(), mesh_, {.level = 0, .surface = false, .keep_patches = true});
   ASSERT_TRUE(result.ok()) << result.status();
-  const DooSabinSurface& coarse = *result->patches;
+  const DooSabinSurface& coarse = std::get<DooSabinSurface>(*result->patches);
   Buffer<Vec3> refined(4 * coarse.mesh.half_edge_count());
   ASSERT_TRUE(
       RefineDooSabin(Context(),
