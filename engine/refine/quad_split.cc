@@ -16,12 +16,14 @@ void WriteQuads(const Walk& walk, const HalfEdgeMesh& mesh, std::size_t begin, s
                 Index* out) {
   const Index first_edge = static_cast<Index>(mesh.vertex_count());
   const Index first_face = first_edge + static_cast<Index>(mesh.edge_count());
+  const Index* const vertex = mesh.vertex().data();
+  const Index* const edge = mesh.edge().data();
   for (std::size_t h = begin; h < end; ++h) {
     const Index half_edge = static_cast<Index>(h);
-    out[4 * h] = mesh.vertex()[h];
-    out[4 * h + 1] = first_edge + mesh.edge()[h];
+    out[4 * h] = vertex[h];
+    out[4 * h + 1] = first_edge + edge[h];
     out[4 * h + 2] = first_face + walk.Face(half_edge);
-    out[4 * h + 3] = first_edge + mesh.edge()[walk.Prev(half_edge)];
+    out[4 * h + 3] = first_edge + edge[walk.Prev(half_edge)];
   }
 }
 
@@ -65,15 +67,18 @@ class QuadSplitter {
   template <class Walk>
   absl::Status WriteTwins(const Walk& walk) {
     out_.twin_.resize(out_.vertex_.size());
-    return ParallelFor(context_, in_.half_edge_count(), [&](std::size_t begin, std::size_t end) {
+    Index* const out = out_.twin_.data();
+    const absl::Span<const Index> twins = in_.twin();
+    return ParallelFor(context_, in_.half_edge_count(), [=](std::size_t begin, std::size_t end) {
+      const Walk here = walk;
       for (std::size_t i = begin; i < end; ++i) {
         const Index h = static_cast<Index>(i);
-        const Index clockwise = RotateCw(walk, in_.twin(), h);
-        const Index counter_clockwise = RotateCcw(walk, in_.twin(), h);
-        Index* const twin = &out_.twin_[4 * i];
+        const Index clockwise = RotateCw(here, twins, h);
+        const Index counter_clockwise = RotateCcw(here, twins, h);
+        Index* const twin = out + 4 * i;
         twin[0] = clockwise == kNoIndex ? kNoIndex : 4 * clockwise + 3;
-        twin[1] = 4 * walk.Next(h) + 2;
-        twin[2] = 4 * walk.Prev(h) + 1;
+        twin[1] = 4 * here.Next(h) + 2;
+        twin[2] = 4 * here.Prev(h) + 1;
         twin[3] = counter_clockwise == kNoIndex ? kNoIndex : 4 * counter_clockwise;
       }
     });

@@ -165,6 +165,17 @@ void BM_QuadSplit(benchmark::State& state) {
   });
 }
 
+// The perturbed first refined mesh from the control mesh: points and connectivity.
+void BM_PerturbedFirstMesh(benchmark::State& state) {
+  Measure(state, [](Input& input) {
+    OrDie(FirstRefinement(input.context, input.mesh, input.control, absl::MakeSpan(input.first)));
+    OrDie(PerturbToInterpolate(input.context, {input.mesh, input.given.positions},
+                               absl::MakeSpan(input.first)));
+    const auto split = SplitIntoQuads(input.context, input.mesh);
+    benchmark::DoNotOptimize(split->twin().data());
+  });
+}
+
 // M^1 to M^2 into memory that is there already.
 void BM_Refine(benchmark::State& state) {
   Measure(
@@ -230,6 +241,7 @@ void Register() {
       {"FirstRefinement", BM_FirstRefinement},
       {"Perturb", BM_Perturb},
       {"QuadSplit", BM_QuadSplit},
+      {"PerturbedFirstMesh", BM_PerturbedFirstMesh},
       {"Refine", BM_Refine},
       {"Limit", BM_Limit},
       {"FeatureValues", BM_FeatureValues},
