@@ -89,8 +89,8 @@ struct InterpolateResult {
   // its patches. Within the regions that moved the surface is not that of the control mesh any
   // more, but of its second refinement with some points moved.
   std::optional<BlendReport> blend;
-  // With `keep_patches`. Doo-Sabin: its mesh has the input's faces and corners; along plane faces of
-  // feature values it is cut.
+  // With `keep_patches`. Doo-Sabin: its mesh has the input's faces and corners; along plane faces
+  // of feature values it is cut.
   std::optional<LimitSurface> patches;
   // In the order in which they ran: "build", "solve", and with a surface "first_refinement",
   // "perturb" (both Doo-Sabin's; with feature values one), "fair", "blend" and "choose_level" if
