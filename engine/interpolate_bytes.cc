@@ -162,12 +162,16 @@ bool Blends(const Constraints& constraints) {
 
 // Blending: the points that each constraint moves, in two lists, and what else a constraint takes.
 double BlendBytes(const Counts& n, const Constraints& constraints) {
-  constexpr double kPoint = 40;
-  constexpr double kConstraint = 1024;
+  // With constraints anywhere, what may be met together: sparse rows and columns.
+  const bool together = !constraints.surface_points.empty();
+  const double point_bytes = together ? 240 : 40;
+  const double constraint_bytes = together ? 8192 : 1024;
   const auto points = MostBlendPoints(static_cast<std::uint64_t>(n.vertices),
                                       static_cast<std::uint64_t>(n.half_edges), constraints);
-  return kPoint * static_cast<double>(points) + Bytes(n.vertices, 1) +
-         kConstraint *
+  // The dense decomposition of a few.
+  const double dense = together ? 8.0 * (1 << 20) : 0;
+  return dense + point_bytes * static_cast<double>(points) + Bytes(n.vertices, 1) +
+         constraint_bytes *
              static_cast<double>(constraints.normals.size() + constraints.surface_points.size());
 }
 

@@ -24,7 +24,12 @@ namespace limn {
 namespace {
 
 constexpr double kTolerance = 1e-10;
-constexpr std::size_t kMostTogether = 256;
+constexpr std::size_t kMostTogether = 65'536;
+// Of a place; its ring is evaluated once for each point of it.
+constexpr std::size_t kMostSupport = 4096;
+// How much larger or smaller than the surface's own a derivative may be, and how far away a point
+// in terms of the bounding box: beyond, rounding alone is more than the tolerance.
+constexpr double kMostChange = 1e5;
 constexpr std::size_t kTargetsPerChunk = 32;
 
 absl::Status Refuse(const BlendTarget& target, std::string_view member, const std::string& message,
@@ -37,9 +42,8 @@ absl::Status Refuse(const BlendTarget& target, std::string_view member, const st
                           .remedy = std::string(remedy)});
 }
 
-// The face of a vertex of T^0 in which it is the first corner.
-SurfaceParameter AtVertex(const PrimalSurface& surface, Index vertex) {
-  const Index h = surface.mesh.vertex_half_edge()[vertex];
+// The corner of T^0 at whose vertex, of T^0, half-edge h of T^2 begins.
+SurfaceParameter AtHalfEdge(const PrimalSurface& surface, Index h) {
   if (surface.kind == RingKind::kTriangles) {
     const Index triangle = h / 3;
     return {.face = triangle / 16, .corner = triangle / 4 % 4};
@@ -48,6 +52,11 @@ SurfaceParameter AtVertex(const PrimalSurface& surface, Index vertex) {
   const auto after = std::upper_bound(surface.face_begin.begin(), surface.face_begin.end(), corner);
   const auto face = static_cast<Index>(after - surface.face_begin.begin() - 1);
   return {.face = face, .corner = corner - surface.face_begin[face]};
+}
+
+// A corner of T^0 at a vertex of it.
+SurfaceParameter AtVertex(const PrimalSurface& surface, Index vertex) {
+  return AtHalfEdge(surface, surface.mesh.vertex_half_edge()[vertex]);
 }
 
 // Ring 0.
@@ -143,9 +152,29 @@ class Blender {
                       "the surface has no tangent plane there",
                       "Ask for the point only, or move the constraint");
       }
+      LIMN_RETURN_IF_ERROR(CheckSize(targets_[i], before_[i]));
       maps_.push_back(*map);
     }
     return absl::OkStatus();
+  }
+
+  absl::Status CheckSize(const BlendTarget& target, const PatchSample& now) const {
+    // Written so that NaN is refused.
+    if (target.point && !(Norm(*target.point - now.point) <= kMostChange * input_.scale)) {
+      return Refuse(target, ".point", "it is too far from the surface",
+                    absl::StrCat("It must be within ", kMostChange, " diagonals of the mesh"));
+    }
+    const auto check = [&](const char* member, const std::optional<Vec3>& wanted,
+                           const Vec3& is) -> absl::Status {
+      if (!wanted.has_value()) return absl::OkStatus();
+      const double change = Norm(*wanted) / Norm(is);
+      if (change <= kMostChange && change >= 1 / kMostChange) return absl::OkStatus();
+      return Refuse(target, member,
+                    absl::StrCat("its length is ", change, " times that of the surface's"),
+                    absl::StrCat("It must be within a factor of ", kMostChange));
+    };
+    LIMN_RETURN_IF_ERROR(check(".derivative_u", target.du, now.du));
+    return check(".derivative_v", target.dv, now.dv);
   }
 
   absl::Status FindRegions() {
@@ -153,6 +182,7 @@ class Blender {
     std::atomic<std::uint64_t> points = 0;
     const auto find = [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end && points <= input_.most_points; ++i) {
+        if (context_.stop_requested()) return;
         regions_[i] = targets_[i].region.empty() ? ChooseRegion(places_, i)
                                                  : GivenRegion(places_, i, targets_[i].region);
         points += regions_[i].vertices.size();
@@ -168,6 +198,7 @@ class Blender {
                                   "regions"});
     }
     for (std::size_t i = 0; i < targets_.size(); ++i) {
+      if (regions_[i].touched.size() > kMostTouched) return TooClose(i, kMostTouched);
       if (!regions_[i].vertices.empty()) continue;
       return Refuse(targets_[i], ".region", "it is too small",
                     "Give all faces of the twice refined mesh within three rings of the place");
@@ -215,19 +246,9 @@ class Blender {
       }
       std::sort(members.begin(), members.end());
       members.erase(std::unique(members.begin(), members.end()), members.end());
-      if (members.size() > kMostTogether) {
-        return MakeError(absl::StrCat(targets_[group[0]].path(), ": ", members.size(),
-                                      " constraints and vertices are too close to each other"),
-                         {.reason = Reason::kLimitExceeded,
-                          .field = targets_[group[0]].path(),
-                          .index = targets_[group[0]].index,
-                          .remedy = absl::StrCat("At most ", kMostTogether,
-                                                 " can be met together: ask for fewer, or refine "
-                                                 "the mesh")});
-      }
+      if (members.size() > kMostTogether) return TooClose(group[0], kMostTogether);
       for (const std::size_t i : members) {
-        LIMN_ASSIGN_OR_RETURN(JointAim aim, AimOf(i));
-        problem.aims.push_back(std::move(aim));
+        LIMN_RETURN_IF_ERROR(AddAims(i, group[0], &problem));
       }
       absl::flat_hash_map<Index, std::size_t> known;
       for (const std::size_t i : group) {
@@ -249,23 +270,78 @@ class Blender {
     return absl::OkStatus();
   }
 
-  absl::StatusOr<JointAim> AimOf(std::size_t i) const {
+  absl::Status TooClose(std::size_t i, std::size_t most) const {
+    return MakeError(absl::StrCat(targets_[i].path(), ": it is too close to more than ", most,
+                                  " constraints and vertices"),
+                     {.reason = Reason::kLimitExceeded,
+                      .field = targets_[i].path(),
+                      .index = targets_[i].index,
+                      .remedy = "Ask for fewer, give a smaller region, or refine the mesh"});
+  }
+
+  // What place i has to be, now and after everything has moved. first: of the group, for messages.
+  absl::Status AddAims(std::size_t i, std::size_t first, JointProblem* problem) const {
+    LIMN_RETURN_IF_ERROR(context_.Check());
     JointAim aim = {.support = Support(surface_.mesh, places_.At(i))};
+    if (aim.support.size() > kMostSupport) return TooClose(first, kMostSupport);
     if (i >= targets_.size()) {
       aim.place = AtVertex(surface_, places_.At(i)[0]);
-      LIMN_RETURN_IF_ERROR(
-          EvaluateSurface(context_, surface_, absl::MakeConstSpan(&aim.place, 1),
-                          SurfaceSamples{.points = absl::MakeSpan(&aim.point, 1)}));
-      return aim;
+      LIMN_ASSIGN_OR_RETURN(const PatchSample now, Sample(aim.place));
+      aim.point = now.point;
+      problem->aims.push_back(std::move(aim));
+      return absl::OkStatus();
     }
     const BlendTarget& target = targets_[i];
-    aim.place = target.place;
+    const Matrix3& linear = maps_[i].linear;
     aim.point = maps_[i].to;
     aim.has_du = target.du.has_value() || target.normal.has_value();
     aim.has_dv = target.dv.has_value() || target.normal.has_value();
-    aim.du = maps_[i].linear * before_[i].du;
-    aim.dv = maps_[i].linear * before_[i].dv;
-    return aim;
+    std::vector<SurfaceParameter> places = {target.place};
+    // Where surfaces meet at what is sharp, all of them turn.
+    if (target.vertex && target.normal && IsSharp(*target.vertex)) {
+      places = CornersAround(*target.vertex);
+    }
+    for (const SurfaceParameter& place : places) {
+      LIMN_ASSIGN_OR_RETURN(const PatchSample now, Sample(place));
+      aim.place = place;
+      aim.du = linear * now.du;
+      aim.dv = linear * now.dv;
+      problem->aims.push_back(aim);
+    }
+    return absl::OkStatus();
+  }
+
+  absl::StatusOr<PatchSample> Sample(const SurfaceParameter& place) const {
+    PatchSample sample;
+    LIMN_RETURN_IF_ERROR(EvaluateSurface(context_, surface_, absl::MakeConstSpan(&place, 1),
+                                         SurfaceSamples{.points = absl::MakeSpan(&sample.point, 1),
+                                                        .du = absl::MakeSpan(&sample.du, 1),
+                                                        .dv = absl::MakeSpan(&sample.dv, 1)}));
+    return sample;
+  }
+
+  template <class Visit>
+  void VisitHalfEdges(Index vertex, const Visit& visit) const {
+    WithWalk(surface_.mesh, [&](const auto& walk) {
+      VisitFan(walk, surface_.mesh.twin(), surface_.mesh.vertex_half_edge()[vertex], visit);
+    });
+  }
+
+  // Whether an edge inside the mesh is sharp there.
+  bool IsSharp(Index vertex) const {
+    if (!surface_.sharpness.creased()) return false;
+    bool sharp = false;
+    VisitHalfEdges(vertex, [&](Index h) {
+      const bool inside = surface_.mesh.twin()[h] != kNoIndex;
+      sharp = sharp || (inside && surface_.sharpness.edge[surface_.mesh.edge()[h]] > 0);
+    });
+    return sharp;
+  }
+
+  std::vector<SurfaceParameter> CornersAround(Index vertex) const {
+    std::vector<SurfaceParameter> corners;
+    VisitHalfEdges(vertex, [&](Index h) { corners.push_back(AtHalfEdge(surface_, h)); });
+    return corners;
   }
 
   // Each constraint's own movement. Where several reach, and not all of their weights fit into 1,
@@ -326,10 +402,8 @@ class Blender {
   absl::Status VerifyStaying() {
     for (std::size_t g = 0; g < groups_.size(); ++g) {
       for (const JointAim& aim : problems_[g].aims) {
-        Vec3 point;
-        LIMN_RETURN_IF_ERROR(EvaluateSurface(context_, surface_, absl::MakeConstSpan(&aim.place, 1),
-                                             SurfaceSamples{.points = absl::MakeSpan(&point, 1)}));
-        if (!(Norm(point - aim.point) <= kTolerance * input_.scale)) {
+        LIMN_ASSIGN_OR_RETURN(const PatchSample now, Sample(aim.place));
+        if (!(Norm(now.point - aim.point) <= kTolerance * input_.scale)) {
           return Contradiction(groups_[g][0]);
         }
       }

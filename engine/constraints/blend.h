@@ -11,7 +11,9 @@
 // engine's choice stays off the supports of the vertices that are interpolated and of the other
 // constraints, and then all are met one by one. Constraints that leave no room for that, and given
 // regions that reach such supports, are met together: see engine/constraints/blend_joint.h.
-// Boundaries and what is sharp move along where a region reaches them.
+// Boundaries and what is sharp move along where a region reaches them. A normal at a vertex of which
+// one face alone lies between two sharp edges hangs on how the surface bends there: it is met one by
+// one only, and refused as a contradiction where it would have to be met together with others.
 #pragma once
 
 #include <cstddef>
@@ -64,12 +66,14 @@ struct BlendInput {
 //
 // Errors: INVALID_OPTION with the path of the constraint: tangents are asked for where the surface
 // has no tangent plane; the region is too small; constraints contradict each other (both are
-// named). LIMIT_EXCEEDED when more than 256 places would have to be met together, and when
-// regions have more than most_points. CANCELLED,
-// DEADLINE_EXCEEDED. After an error the surface's points are anything.
+// named); points are more than 1e5 diagonals, derivatives by a factor of more than 1e5 away from
+// what the surface has. LIMIT_EXCEEDED when a region touches more than 256 other places, more than
+// 65,536 places would have to be met together, one of them with more than 4,096 points around it,
+// or regions have more than most_points. CANCELLED, DEADLINE_EXCEEDED. After an error the surface's
+// points are anything.
 //
-// Cost: some hundred control points for each constraint; for k that are met together k^2 times
-// their control points. Same bits for any number of threads.
+// Cost: some hundred control points for each constraint; for those that are met together see
+// engine/constraints/blend_joint.h. Same bits for any number of threads.
 [[nodiscard]] absl::StatusOr<BlendReport> Blend(const Context& context, const BlendInput& input,
                                                 PrimalSurface* surface);
 

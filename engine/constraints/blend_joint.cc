@@ -15,10 +15,80 @@
 namespace limn {
 namespace {
 
-// Corrections of what rounding leaves of the first step.
-constexpr int kSteps = 3;
+// Corrections of what rounding and early ends leave of the first step.
+constexpr int kSteps = 4;
 // Of the largest singular value; below lie combinations of aims that nothing can move.
 constexpr double kRank = 1e-10;
+constexpr Eigen::Index kMostDense = 1 << 18;
+constexpr int kMostIterations = 5000;
+constexpr double kIterationTolerance = 1e-13;
+
+using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+// The smallest z for which system z is nearest to a given right side.
+class LeastSolver {
+ public:
+  explicit LeastSolver(SparseRows system) : system_(std::move(system)) {
+    dense_ = system_.rows() * system_.cols() <= kMostDense;
+    if (dense_) {
+      decomposition_.setThreshold(kRank);
+      decomposition_.compute(Eigen::MatrixXd(system_));
+      return;
+    }
+    transposed_ = system_.transpose();
+    // Aims that nothing moves have empty rows.
+    scale_.resize(system_.rows());
+    for (Eigen::Index i = 0; i < system_.rows(); ++i) {
+      const double norm = system_.row(i).squaredNorm();
+      scale_[i] = norm > 0 ? 1 / norm : 0;
+    }
+  }
+
+  absl::StatusOr<Eigen::MatrixX3d> Solve(const Context& context,
+                                         const Eigen::MatrixX3d& right) const {
+    if (dense_) {
+      LIMN_RETURN_IF_ERROR(context.Check());
+      return Eigen::MatrixX3d(decomposition_.solve(right));
+    }
+    Eigen::MatrixX3d result(system_.cols(), 3);
+    for (int i = 0; i < 3; ++i) {
+      LIMN_ASSIGN_OR_RETURN(const Eigen::VectorXd multipliers, Iterate(context, right.col(i)));
+      result.col(i) = transposed_ * multipliers;
+    }
+    return result;
+  }
+
+ private:
+  // Conjugate gradients on system system' x = right, with its diagonal.
+  absl::StatusOr<Eigen::VectorXd> Iterate(const Context& context,
+                                          const Eigen::VectorXd& right) const {
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(right.size());
+    Eigen::VectorXd residual = right;
+    Eigen::VectorXd direction = scale_.cwiseProduct(residual);
+    double product = residual.dot(direction);
+    const double end = kIterationTolerance * kIterationTolerance * product;
+    for (int i = 0; i < kMostIterations && product > end; ++i) {
+      LIMN_RETURN_IF_ERROR(context.Check());
+      const Eigen::VectorXd image = system_ * (transposed_ * direction);
+      const double curvature = direction.dot(image);
+      if (!(curvature > 0)) break;
+      const double step = product / curvature;
+      x += step * direction;
+      residual -= step * image;
+      const Eigen::VectorXd scaled = scale_.cwiseProduct(residual);
+      const double next = residual.dot(scaled);
+      direction = scaled + next / product * direction;
+      product = next;
+    }
+    return x;
+  }
+
+  const SparseRows system_;
+  bool dense_ = false;
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition_;
+  SparseRows transposed_;
+  Eigen::VectorXd scale_;
+};
 
 struct Samples {
   explicit Samples(std::size_t n) : point(n), du(n), dv(n) {}
@@ -44,14 +114,15 @@ class Joint {
 
   absl::Status Run() {
     LIMN_RETURN_IF_ERROR(FindResponses());
-    const Eigen::SparseMatrix<double> spread = Spread();
-    const Eigen::MatrixXd system = responses_ * spread;
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-    solver.setThreshold(kRank);
-    solver.compute(system);
+    LIMN_RETURN_IF_ERROR(context_.Check());
+    const SparseRows spread = Spread();
+    SparseRows responses(rows_, static_cast<Eigen::Index>(problem_.vertices.size()));
+    responses.setFromTriplets(responses_.begin(), responses_.end());
+    const LeastSolver solver(SparseRows(responses * spread));
     for (int step = 0; step < kSteps; ++step) {
       LIMN_ASSIGN_OR_RETURN(const Eigen::MatrixX3d missing, Missing());
-      const Eigen::MatrixX3d moves = spread * solver.solve(missing);
+      LIMN_ASSIGN_OR_RETURN(const Eigen::MatrixX3d solution, solver.Solve(context_, missing));
+      const Eigen::MatrixX3d moves = spread * solution;
       for (std::size_t i = 0; i < problem_.vertices.size(); ++i) {
         const auto row = static_cast<Eigen::Index>(i);
         surface_.points[problem_.vertices[i]] += Vec3{moves(row, 0), moves(row, 1), moves(row, 2)};
@@ -73,7 +144,6 @@ class Joint {
   // What each control point adds to each aim: the surface of points that are zero but for one in
   // x, one in y and one in z is a combination of three columns.
   absl::Status FindResponses() {
-    responses_.setZero(rows_, static_cast<Eigen::Index>(problem_.vertices.size()));
     Buffer<Vec3> points(surface_.points.size());
     std::fill(points.begin(), points.end(), Vec3{0, 0, 0});
     std::swap(points, surface_.points);
@@ -100,7 +170,8 @@ class Joint {
         VisitRows(a, sample, 0, [&](Eigen::Index row, const Vec3& value, const Vec3& /*aim*/) {
           const double parts[3] = {value.x, value.y, value.z};
           for (std::size_t j = 0; j < count; ++j) {
-            responses_(row, static_cast<Eigen::Index>(column_[moving[i + j]])) = parts[j];
+            responses_.emplace_back(row, static_cast<Eigen::Index>(column_[moving[i + j]]),
+                                    parts[j]);
           }
         });
         for (std::size_t j = 0; j < count; ++j) surface_.points[moving[i + j]] = {0, 0, 0};
@@ -111,7 +182,7 @@ class Joint {
 
   // Movements are averages of those of the vertices around, so that they are smooth, and fade with
   // the weights.
-  Eigen::SparseMatrix<double> Spread() const {
+  SparseRows Spread() const {
     const auto n = static_cast<Eigen::Index>(problem_.vertices.size());
     std::vector<Eigen::Triplet<double>> entries;
     for (std::size_t i = 0; i < problem_.vertices.size(); ++i) {
@@ -127,7 +198,7 @@ class Joint {
         entries.emplace_back(row, static_cast<Eigen::Index>(found->second), share);
       });
     }
-    Eigen::SparseMatrix<double> spread(n, n);
+    SparseRows spread(n, n);
     spread.setFromTriplets(entries.begin(), entries.end());
     return spread;
   }
@@ -153,7 +224,7 @@ class Joint {
   std::vector<SurfaceParameter> places_;
   std::vector<Eigen::Index> first_row_;
   Eigen::Index rows_ = 0;
-  Eigen::MatrixXd responses_;
+  std::vector<Eigen::Triplet<double>> responses_;
 };
 
 }  // namespace

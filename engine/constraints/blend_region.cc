@@ -56,19 +56,20 @@ double Weight(std::size_t inside, std::size_t outside, std::size_t plateau) {
 
 void FindTouched(const BlendPlaces& places, std::size_t i, BlendRegion* region) {
   absl::flat_hash_set<Index> near;
+  absl::flat_hash_set<std::size_t> touched;
   const auto note = [&](Index v) {
-    if (!near.insert(v).second) return;
+    if (touched.size() > kMostTouched || !near.insert(v).second) return;
     places.VisitAt(v, [&](std::size_t j) {
-      if (j != i) region->touched.push_back(j);
+      if (j != i) touched.insert(j);
+      return touched.size() <= kMostTouched;
     });
   };
   for (const Index v : region->vertices) {
     note(v);
     VisitRing(places.mesh(), v, note);
   }
+  region->touched.assign(touched.begin(), touched.end());
   std::sort(region->touched.begin(), region->touched.end());
-  region->touched.erase(std::unique(region->touched.begin(), region->touched.end()),
-                        region->touched.end());
 }
 
 }  // namespace
@@ -88,6 +89,7 @@ BlendRegion ChooseRegion(const BlendPlaces& places, std::size_t i) {
   const auto ends = [&](Index v, std::size_t ring) {
     places.VisitAt(v, [&](std::size_t j) {
       if (j != i) nearest = std::min(nearest, ring);
+      return j == i;
     });
     return ring >= kSmallest && nearest <= ring;
   };

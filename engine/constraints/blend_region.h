@@ -41,12 +41,14 @@ class BlendPlaces {
     return i < places_.size() ? places_[i] : BlendPlace{static_cast<Index>(i - places_.size())};
   }
 
-  // Calls visit(i) for the places with this vertex in ring 0.
+  // Calls visit(i) for the places with this vertex in ring 0, until it returns false.
   template <class Visit>
   void VisitAt(Index v, const Visit& visit) const {
     const auto found = by_vertex_.find(v);
     if (found != by_vertex_.end()) {
-      for (const std::size_t i : found->second) visit(i);
+      for (const std::size_t i : found->second) {
+        if (!visit(i)) return;
+      }
     }
     if (v < stays_.size() && stays_[v] != 0 && !taken_.contains(v)) visit(places_.size() + v);
   }
@@ -64,9 +66,11 @@ struct BlendRegion {
   std::vector<Index> vertices;
   // In (0, 1], of each.
   std::vector<double> weights;
-  // Other places whose support has some of them; ascending.
+  // Other places whose support has some of them; ascending. More than kMostTouched: not all.
   std::vector<std::size_t> touched;
 };
+
+inline constexpr std::size_t kMostTouched = 256;
 
 // The largest region, R from 3 to 6 and p = R / 2, that touches no other place; R = 3 when all do.
 // Cost: linear in the corners around the region. Thread-safe.

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kEntriesPerCheck = 1024;
 // What counts as perpendicular and as parallel, in radians.
-constexpr double kAngle = 1e-9;
+constexpr double kAngle = 2e-11;
 
 absl::Status Refuse(Reason reason, const BlendTarget& target, std::string_view member,
                     const std::string& message, std::string_view remedy) {
@@ -41,9 +41,12 @@ absl::Status Invalid(const BlendTarget& target, std::string_view member, const s
 
 class TargetList {
  public:
-  TargetList(const HalfEdgeMesh& mesh, RingKind kind, const Constraints& constraints,
-             absl::Span<const Vec3> points)
-      : mesh_(mesh), kind_(kind), constraints_(constraints), points_(points) {}
+  TargetList(const BlendMesh& mesh, const Constraints& constraints)
+      : mesh_(mesh.mesh),
+        kind_(mesh.kind),
+        hole_(mesh.hole),
+        constraints_(constraints),
+        points_(mesh.points) {}
 
   absl::StatusOr<std::vector<BlendTarget>> Make(const Context& context) {
     const std::size_t normals = constraints_.normals.size();
@@ -88,12 +91,7 @@ class TargetList {
     if (vertex >= mesh_.vertex_count()) {
       return OutOfRange(*target, ".vertex", "vertex", vertex, mesh_.vertex_count());
     }
-    if (taken_[vertex]) {
-      return Invalid(*target, ".vertex",
-                     absl::StrCat("vertex ", vertex, " is named before, by ", Owner(vertex)),
-                     "Ask for everything at a vertex in one constraint");
-    }
-    taken_[vertex] = true;
+    LIMN_RETURN_IF_ERROR(TakeVertex(vertex, ".vertex", target));
     const Index h = mesh_.vertex_half_edge()[vertex];
     const Index face = mesh_.face()[h];
     target->vertex = vertex;
@@ -101,16 +99,42 @@ class TargetList {
     return absl::OkStatus();
   }
 
+  absl::Status TakeVertex(Index vertex, std::string_view member, BlendTarget* target) {
+    if (taken_[vertex]) {
+      return Invalid(*target, member,
+                     absl::StrCat("vertex ", vertex, " is named before, by ", Owner(vertex)),
+                     "Ask for everything at a vertex in one constraint");
+    }
+    taken_[vertex] = true;
+    target->on_vertex = vertex;
+    return absl::OkStatus();
+  }
+
+  // The vertex that a valid parameter is at, or kNoIndex.
+  Index VertexAt(const SurfaceParameter& p) const {
+    const Index first = mesh_.face_begin()[p.face];
+    const Index arity = mesh_.face_begin()[p.face + 1] - first;
+    if (p.u == 0 && p.v == 0) return mesh_.vertex()[first + p.corner];
+    if (kind_ == RingKind::kQuads) return kNoIndex;
+    if (p.u == 1) return mesh_.vertex()[first + (p.corner + 1) % arity];
+    return p.v == 1 ? mesh_.vertex()[first + (p.corner + 2) % arity] : kNoIndex;
+  }
+
   std::string Owner(Index vertex) const {
     for (const BlendTarget& other : targets_) {
-      if (other.vertex == vertex) return other.path();
+      if (other.on_vertex == vertex) return other.path();
     }
     return "another constraint";
   }
 
-  absl::Status PlaceAtParameter(const SurfaceParameter& p, BlendTarget* target) const {
+  absl::Status PlaceAtParameter(const SurfaceParameter& p, BlendTarget* target) {
     if (p.face >= mesh_.face_count()) {
       return OutOfRange(*target, ".parameter.face", "face", p.face, mesh_.face_count());
+    }
+    if (!hole_.empty() && hole_[p.face] != 0) {
+      return Invalid(*target, ".parameter.face",
+                     absl::StrCat("face ", p.face, " is no part of the surface"),
+                     "Name a face that is no hole");
     }
     const Index arity = mesh_.face_begin()[p.face + 1] - mesh_.face_begin()[p.face];
     if (p.corner >= arity) {
@@ -129,7 +153,8 @@ class TargetList {
                      "It must be at most 1 - u in a triangle");
     }
     target->place = p;
-    return absl::OkStatus();
+    const Index vertex = VertexAt(p);
+    return vertex == kNoIndex ? absl::OkStatus() : TakeVertex(vertex, ".parameter", target);
   }
 
   absl::Status TakeAims(const SurfaceConstraint& given, BlendTarget* target) const {
@@ -181,12 +206,12 @@ class TargetList {
   }
 
   absl::Status CheckPoint(const BlendTarget& target) const {
-    if (!target.vertex || !target.point || !plan_.interpolated(*target.vertex)) {
+    if (!target.on_vertex || !target.point || !plan_.interpolated(*target.on_vertex)) {
       return absl::OkStatus();
     }
-    if (*target.point == points_[*target.vertex]) return absl::OkStatus();
+    if (*target.point == points_[*target.on_vertex]) return absl::OkStatus();
     return Invalid(target, ".point",
-                   absl::StrCat("vertex ", *target.vertex, " is to be met at another point"),
+                   absl::StrCat("vertex ", *target.on_vertex, " is to be met at another point"),
                    "Move the vertex, or leave it out of constraints.interpolate");
   }
 
@@ -205,6 +230,7 @@ class TargetList {
 
   const HalfEdgeMesh& mesh_;
   const RingKind kind_;
+  const absl::Span<const std::uint8_t> hole_;
   const Constraints& constraints_;
   const absl::Span<const Vec3> points_;
   VertexPlan plan_;
@@ -218,11 +244,9 @@ std::string BlendTarget::path() const {
   return absl::StrCat("constraints.", of_normals ? "normals" : "surface_points", "[", index, "]");
 }
 
-absl::StatusOr<std::vector<BlendTarget>> BlendTargets(const Context& context,
-                                                      const HalfEdgeMesh& mesh, RingKind kind,
-                                                      const Constraints& constraints,
-                                                      absl::Span<const Vec3> points) {
-  return TargetList(mesh, kind, constraints, points).Make(context);
+absl::StatusOr<std::vector<BlendTarget>> BlendTargets(const Context& context, const BlendMesh& mesh,
+                                                      const Constraints& constraints) {
+  return TargetList(mesh, constraints).Make(context);
 }
 
 }  // namespace limn

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,6 +27,8 @@ struct BlendTarget {
   // Where it is; for vertices a corner of one of their faces.
   SurfaceParameter place = {};
   std::optional<Index> vertex = std::nullopt;
+  // The vertex that the place is at, also where a parameter says so.
+  std::optional<Index> on_vertex = std::nullopt;
   // In the model's frame.
   std::optional<Vec3> point = std::nullopt;
   // Unit length.
@@ -39,19 +42,28 @@ struct BlendTarget {
   std::string path() const;
 };
 
-// All normals, then all surface_points. mesh: T^0. kind: of the scheme. constraints: as
-// ValidateConstraints accepts them. points: those that vertices interpolate, in the model's frame;
-// interpolated(v): whether vertex v is.
+// What targets are checked against.
+struct BlendMesh {
+  // T^0.
+  const HalfEdgeMesh& mesh;
+  // Of the scheme.
+  RingKind kind = RingKind::kQuads;
+  // As Sharpness::hole.
+  absl::Span<const std::uint8_t> hole = {};
+  // Those that vertices interpolate, in the model's frame.
+  absl::Span<const Vec3> points = {};
+};
+
+// All normals, then all surface_points. constraints: as ValidateConstraints accepts them.
 // Errors, each with path and index: INDEX_OUT_OF_RANGE for vertices, faces, corners and regions;
-// INVALID_OPTION for places that are both or none, parameters outside of the face, constraints that
+// INVALID_OPTION for places that are both or none, parameters outside of the face or in a hole,
+// constraints that
 // ask for nothing, numbers that are not finite, normals and derivatives that are zero, parallel or
 // not perpendicular to each other, derivatives at a vertex, points at interpolated vertices other
-// than theirs, vertices that are named twice. Cost: linear in the constraints, and a byte a vertex.
-// Thread-safe.
+// than theirs (also where a parameter is at the vertex), vertices that are named twice. Cost:
+// linear in the constraints, and a byte a vertex. Thread-safe.
 [[nodiscard]] absl::StatusOr<std::vector<BlendTarget>> BlendTargets(const Context& context,
-                                                                    const HalfEdgeMesh& mesh,
-                                                                    RingKind kind,
-                                                                    const Constraints& constraints,
-                                                                    absl::Span<const Vec3> points);
+                                                                    const BlendMesh& mesh,
+                                                                    const Constraints& constraints);
 
 }  // namespace limn

@@ -46,9 +46,12 @@ class PrimalJob : public SchemeJob {
     LIMN_ASSIGN_OR_RETURN(
         sharpness_, SharpnessOf(context_, *mesh_, frame_.options.constraints,
                                 frame_.options.boundary.value_or(BoundaryRule::kEdgeAndCorner)));
-    LIMN_ASSIGN_OR_RETURN(
-        targets_,
-        BlendTargets(context_, *mesh_, kind_, frame_.options.constraints, frame_.input.positions));
+    LIMN_ASSIGN_OR_RETURN(targets_, BlendTargets(context_,
+                                                 {.mesh = *mesh_,
+                                                  .kind = kind_,
+                                                  .hole = sharpness_.hole,
+                                                  .points = frame_.input.positions},
+                                                 frame_.options.constraints));
     return absl::OkStatus();
   }
 

@@ -381,6 +381,61 @@ INSTANTIATE_TEST_SUITE_P(All, BlendTest,
                                           testing::ValuesIn(Names())),
                          NameOf);
 
+// One in each face, so that every face is too close to its neighbours.
+TEST(Blend, AsManyAsThereAreFacesAreMetTogether) {
+  const PolygonMesh torus = oracle::Jittered(oracle::TorusOfQuads(40, 40), 3, 0.02);
+  const double size = Size(torus);
+  for (const Scheme scheme : {Scheme::kCatmullClark, Scheme::kLoop}) {
+    const PolygonMesh mesh = scheme == Scheme::kLoop ? oracle::Triangulated(torus) : torus;
+    InterpolateOptions options = {.scheme = scheme, .level = 0, .keep_patches = true};
+    absl::StatusOr<InterpolateResult> result = Interpolate(Context(), mesh, options);
+    ASSERT_TRUE(result.ok()) << result.status();
+    std::vector<SurfaceParameter> places;
+    for (Index f = 0; f < mesh.face_count(); ++f) places.push_back({f, 0, 0.4, 0.45});
+    const Samples before = At(*result, places);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      SurfaceConstraint& wish = options.constraints.surface_points.emplace_back();
+      wish.parameter = places[i];
+      wish.point = before.points[i] + (i % 2 == 0 ? 1e-3 : -1e-3) * size * before.normals[i];
+    }
+    result = Interpolate(Context(), mesh, options);
+    ASSERT_TRUE(result.ok()) << result.status();
+    EXPECT_EQ(result->blend->together, places.size());
+    const Samples after = At(*result, places);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      ASSERT_LE(Norm(after.points[i] - *options.constraints.surface_points[i].point), kMet * size);
+    }
+    for (Index v = 0; v < mesh.vertex_count(); ++v) {
+      ASSERT_LE(Norm(result->surface.positions[v] - mesh.positions[v]), 2 * kMet * size) << v;
+    }
+  }
+}
+
+// Both sides of a crease turn, together with a normal next to it.
+TEST(Blend, ACreaseTurnsAsAWholeBesideOtherConstraints) {
+  const PolygonMesh torus = oracle::Jittered(oracle::TorusOfQuads(12, 12), 3, 0.02);
+  for (const Scheme scheme : {Scheme::kCatmullClark, Scheme::kLoop}) {
+    const PolygonMesh mesh = scheme == Scheme::kLoop ? oracle::Triangulated(torus) : torus;
+    InterpolateOptions options = {.scheme = scheme, .level = 1, .keep_patches = true};
+    // Along a row of vertices, with faces to both sides.
+    const Index a = torus.corner_vertex[0];
+    const Index b = torus.corner_vertex[1];
+    options.constraints.creases = {{{a, b, b + (b - a)}, {kSharpForever}}};
+    absl::StatusOr<InterpolateResult> result = Interpolate(Context(), mesh, options);
+    ASSERT_TRUE(result.ok()) << result.status();
+    const SurfaceParameter place = {0, 1, 0.2, 0.15};
+    const Vec3 normal = At(*result, {place}).normals[0] + Vec3{0.02, -0.01, 0.03};
+    const Vec3 at_crease = result->surface.normals[b] + Vec3{0.1, 0.05, -0.1};
+    options.constraints.normals = {{b, at_crease}};
+    options.constraints.surface_points = {{.parameter = place, .normal = normal}};
+    result = Interpolate(Context(), mesh, options);
+    ASSERT_TRUE(result.ok()) << result.status();
+    EXPECT_EQ(result->blend->together, 2U);
+    EXPECT_LE(AngleBetweenLines(result->surface.normals[b], at_crease), kMet);
+    EXPECT_LE(AngleBetweenLines(At(*result, {place}).normals[0], normal), kMet);
+  }
+}
+
 class BlendErrors : public testing::Test {
  protected:
   absl::Status StatusOf(const std::function<void(SurfaceConstraint&)>& change,
@@ -442,6 +497,28 @@ TEST_F(BlendErrors, EveryBadConstraintNamesItsField) {
     at_vertex(c, 3);
     c.point = {0.5, 0.5, 0.5};
   });
+  // A parameter at an interpolated vertex is no way around that.
+  Expect(invalid, ".point", [&](auto& c) {
+    c.parameter = SurfaceParameter{5, 1, 0, 0};
+    c.point = {0.5, 0.5, 0.5};
+  });
+  Expect(invalid, ".parameter", [&](auto& c) {
+    const PolygonMesh cube = oracle::Cube();
+    for (Index f = 0; f < 6; ++f) {
+      for (Index i = 0; i < 4; ++i) {
+        if (cube.corner_vertex[4 * f + i] == 0) c.parameter = SurfaceParameter{f, i, 0, 0};
+      }
+    }
+  });
+  for (const double far : {1e6, 1e12, 1e308}) {
+    Expect(invalid, ".point", [far](auto& c) { c.point = {far, 0, 0}; });
+    for (const double length : {far, 1 / far}) {
+      Expect(invalid, ".derivative_u", [length](auto& c) {
+        c.normal.reset();
+        c.derivative_u = Vec3{length, 0, 0};
+      });
+    }
+  }
   Expect(range, ".region[1]", [](auto& c) { c.region = {0, 96}; });
   Expect(invalid, ".region", [](auto& c) { c.region = {95}; });
   ExpectError(StatusOf(
@@ -466,11 +543,21 @@ TEST_F(BlendErrors, RegionsAreBounded) {
               {Reason::kLimitExceeded, "constraints"});
 }
 
+TEST_F(BlendErrors, HolesAreNoPartOfTheSurface) {
+  InterpolateOptions options = {.scheme = Scheme::kCatmullClark, .level = 0};
+  options.constraints.holes = {3};
+  options.constraints.surface_points = {
+      {.parameter = SurfaceParameter{3, 0, 0.5, 0.5}, .normal = Vec3{0, 0, 1}}};
+  ExpectError(Interpolate(Context(), oracle::Cube(), options).status(),
+              {Reason::kInvalidOption, "constraints.surface_points[0].parameter.face", 0});
+}
+
+// However many: neither time nor memory grows with their square.
 TEST_F(BlendErrors, TooManyTogetherAreRefused) {
   InterpolateOptions options = {.scheme = Scheme::kCatmullClark, .level = 0};
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < 20'000; ++i) {
     options.constraints.surface_points.push_back(
-        {.parameter = SurfaceParameter{0, 0, 0.003 * i, 0.5}, .normal = Vec3{0, 0, 1}});
+        {.parameter = SurfaceParameter{0, 0, 0.00005 * i, 0.5}, .normal = Vec3{0, 0, 1}});
   }
   ExpectError(Interpolate(Context(), oracle::Cube(), options).status(),
               {Reason::kLimitExceeded, "constraints.surface_points[0]", 0});

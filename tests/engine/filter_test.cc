@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engine/interpolate.h"
+#include "tests/engine/allocation_meter.h"
 #include "tests/oracle/creased_level.h"
 #include "tests/oracle/expect.h"
 
@@ -100,16 +101,29 @@ TEST_P(FilterTest, MoreTermsAreNearerToTheMesh) {
 TEST_P(FilterTest, TheFilterGoesWithTheMeshWhereverItIs) {
   const FilterOptions filter = {.gains = {0.5, 2}, .rest = 1.5};
   const Buffer<Vec3> here = Run(filter);
-  const Vec3 way = {3 * size_, -7 * size_, size_};
+  const Vec3 way = {0x1p20 * size_, -0x1p19 * size_, size_};
   const Buffer<Vec3> there = Run(filter, oracle::Moved(mesh_, 1, way));
   for (std::size_t v = 0; v < here.size(); ++v) {
-    ASSERT_LE(Norm(there[v] - (here[v] + way)), 1e-13 * size_);
+    // What is left of the bits so far away.
+    ASSERT_LE(Norm(there[v] - (here[v] + way)), 0x1p-49 * Norm(way));
   }
 }
 
+// Large enough for several chunks of work.
 TEST_P(FilterTest, SameBitsForAnyNumberOfThreads) {
-  const auto run = [this] { return Run({.gains = {1, 0.5}, .rest = 0.25}); };
+  const PolygonMesh torus = oracle::TorusOfTriangles(100, 90);
+  const auto run = [&] { return Run({.gains = {1, 0.5}, .rest = 0.25}, torus); };
   EXPECT_EQ(oracle::WithThreads(1, run), oracle::WithThreads(4, run));
+}
+
+TEST_P(FilterTest, TheEstimateIsAnUpperBound) {
+  const PolygonMesh torus = oracle::TorusOfTriangles(100, 90);
+  const std::uint64_t estimate =
+      EstimateFilterBytes(torus.vertex_count(), torus.face_count(), torus.corner_count(), options_);
+  const AllocationMeter meter;
+  Run({.gains = {1, 0.5}, .rest = 0.25}, torus);
+  EXPECT_LE(meter.peak(), estimate);
+  EXPECT_LE(estimate, 3 * meter.peak());
 }
 
 std::string NameOf(const testing::TestParamInfo<std::tuple<Scheme, std::string>>& info) {
