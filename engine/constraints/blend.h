@@ -11,9 +11,10 @@
 // engine's choice stays off the supports of the vertices that are interpolated and of the other
 // constraints, and then all are met one by one. Constraints that leave no room for that, and given
 // regions that reach such supports, are met together: see engine/constraints/blend_joint.h.
-// Boundaries and what is sharp move along where a region reaches them. A normal at a vertex of which
-// one face alone lies between two sharp edges hangs on how the surface bends there: it is met one by
-// one only, and refused as a contradiction where it would have to be met together with others.
+// Boundaries and what is sharp move along where a region reaches them. A normal at a vertex of
+// which one face alone lies between two sharp edges hangs on how the surface bends there: it is met
+// one by one only, and refused as a contradiction where it would have to be met together with
+// others.
 #pragma once
 
 #include <cstddef>

@@ -26,9 +26,9 @@
 // points are the vertices not of four quads of T^1 or of six triangles, and those on boundaries and
 // creases not of two or three to the patch's side. There derivatives by u and v grow beyond all
 // bounds or vanish: what is returned are tangents along the sides of the patch; see RingCorner in
-// engine/limit/ring_limit.h. Normals are continuous where engine/limit/vertex_limit.h says so. Where
-// constraints are met by blending (engine/constraints/blend.h) the net that evaluation starts from
-// is finer: all answers differ by rounding, and tangents at extraordinary points by a factor.
+// engine/limit/ring_limit.h. Normals are continuous where engine/limit/vertex_limit.h says so.
+// Where constraints are met by blending (engine/constraints/blend.h) the net that evaluation starts
+// from is finer: all answers differ by rounding, and tangents at extraordinary points by a factor.
 #pragma once
 
 #include <cstdint>
