@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "engine/base/error.h"
-#include "engine/limit/certificate.h"
+#include "engine/constraints/certificate.h"
 #include "engine/mesh/repair.h"
 #include "proto/wire/chunks.h"
 #include "proto/wire/mesh_memory.h"

@@ -16,7 +16,7 @@
 #include "engine/constraints/blend_joint.h"
 #include "engine/constraints/blend_map.h"
 #include "engine/constraints/blend_region.h"
-#include "engine/limit/certificate.h"
+#include "engine/constraints/certificate.h"
 #include "engine/limit/evaluate.h"
 #include "engine/limit/vertex_limit.h"
 

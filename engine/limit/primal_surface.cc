@@ -5,9 +5,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
+#include "engine/mesh/quad_split.h"
+#include "engine/mesh/triangle_split.h"
 #include "engine/refine/catmull_clark_refine.h"
-#include "engine/refine/quad_split.h"
-#include "engine/refine/triangle_split.h"
 
 namespace limn {
 

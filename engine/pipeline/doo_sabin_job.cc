@@ -10,8 +10,8 @@
 #include "engine/constraints/fair.h"
 #include "engine/constraints/perturb.h"
 #include "engine/limit/doo_sabin_limit.h"
+#include "engine/mesh/quad_split.h"
 #include "engine/refine/boundary_curve.h"
-#include "engine/refine/quad_split.h"
 
 namespace limn {
 

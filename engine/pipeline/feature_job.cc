@@ -14,8 +14,8 @@
 #include "engine/base/parallel.h"
 #include "engine/constraints/features.h"
 #include "engine/constraints/perturb.h"
+#include "engine/mesh/quad_split.h"
 #include "engine/pipeline/doo_sabin_job.h"
-#include "engine/refine/quad_split.h"
 
 namespace limn {
 namespace {

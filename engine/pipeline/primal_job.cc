@@ -16,16 +16,16 @@
 #include "engine/constraints/blend_targets.h"
 #include "engine/constraints/creases.h"
 #include "engine/limit/vertex_limit.h"
+#include "engine/mesh/quad_split.h"
+#include "engine/mesh/triangle_split.h"
 #include "engine/pipeline/boundary_row.h"
 #include "engine/pipeline/scheme_job.h"
 #include "engine/refine/boundary_curve.h"
 #include "engine/refine/catmull_clark_refine.h"
 #include "engine/refine/loop_refine.h"
-#include "engine/refine/quad_split.h"
-#include "engine/refine/triangle_split.h"
-#include "engine/scheme/sharp_rows.h"
 #include "engine/scheme/sharpness.h"
 #include "engine/solve/regularity.h"
+#include "engine/stencil/sharp_rows.h"
 
 namespace limn {
 namespace {

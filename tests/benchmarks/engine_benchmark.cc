@@ -21,11 +21,11 @@
 #include "engine/limit/doo_sabin_limit.h"
 #include "engine/mesh/generate.h"
 #include "engine/mesh/half_edge_mesh.h"
+#include "engine/mesh/quad_split.h"
 #include "engine/mesh/validate.h"
 #include "engine/refine/doo_sabin_refine.h"
-#include "engine/refine/quad_split.h"
-#include "engine/scheme/limit_operator.h"
 #include "engine/solve/solve.h"
+#include "engine/stencil/limit_operator.h"
 
 namespace limn {
 namespace {

@@ -16,10 +16,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine/constraints/blend_map.h"
+#include "engine/constraints/certificate.h"
 #include "engine/interpolate.h"
-#include "engine/limit/certificate.h"
-#include "engine/refine/quad_split.h"
-#include "engine/refine/triangle_split.h"
+#include "engine/mesh/quad_split.h"
+#include "engine/mesh/triangle_split.h"
 #include "tests/oracle/creased_level.h"
 #include "tests/oracle/deep_surface.h"
 #include "tests/oracle/expect.h"

@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/constraints/certificate.h"
 #include "engine/interpolate.h"
-#include "engine/limit/certificate.h"
 #include "tests/oracle/expect.h"
 #include "tests/oracle/features.h"
 #include "tests/oracle/open_meshes.h"

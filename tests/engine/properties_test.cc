@@ -14,8 +14,8 @@
 #include "engine/constraints/perturb.h"
 #include "engine/interpolate.h"
 #include "engine/mesh/generate.h"
+#include "engine/mesh/quad_split.h"
 #include "engine/refine/doo_sabin_refine.h"
-#include "engine/refine/quad_split.h"
 #include "tests/oracle/expect.h"
 #include "tests/oracle/open_meshes.h"
 

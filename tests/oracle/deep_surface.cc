@@ -10,8 +10,8 @@
 
 #include "engine/interpolate.h"
 #include "engine/limit/doo_sabin_limit.h"
+#include "engine/mesh/quad_split.h"
 #include "engine/refine/doo_sabin_refine.h"
-#include "engine/refine/quad_split.h"
 
 namespace limn::oracle {
 namespace {
