@@ -199,7 +199,9 @@ TEST(PlaneFaces, WhatHasNoPlaneIsRefused) {
     line.positions[face[i]] = {static_cast<double>(i), 2 * static_cast<double>(i), 0};
   }
   oracle::ExpectError(Refusal(line, Planes({3})),
-                      {Reason::kInvalidOption, "constraints.features", 3});
+                      {Reason::kInvalidOption, "constraints.features.faces"});
+  EXPECT_NE(Refusal(line, Planes({3})).message().find("face 3 has no plane"),
+            std::string_view::npos);
   // Four planes in general position around the tip.
   PolygonMesh cone = Cone(6);
   std::vector<Index> all;
@@ -210,6 +212,8 @@ TEST(PlaneFaces, WhatHasNoPlaneIsRefused) {
   const absl::Status status = Refusal(bent, {.default_face = FaceKind::kPlane});
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_NE(status.message().find("far from planar"), std::string_view::npos) << status;
+  EXPECT_NE(status.message().find("around vertex"), std::string_view::npos) << status;
+  oracle::ExpectError(status, {Reason::kInvalidOption, "constraints.features.faces"});
 }
 
 TEST(PlaneFaces, InterpolatedVerticesAreCorners) {
@@ -273,6 +277,23 @@ TEST(PlaneFaces, FeetStayOnTheirEdgeAndInOrder) {
     if (t - s < 1e-12) ++at_an_end;
   }
   EXPECT_GT(at_an_end, 0U);
+}
+
+// A power of two changes no digit of the feet, only whether squares of lengths are numbers.
+TEST(PlaneFaces, FeetOfTinyAndHugeModelsAreTheSame) {
+  PolygonMesh cube = oracle::Cube();
+  const FeatureValues values = Planes({0}, 0.3);
+  const InterpolateResult usual = Made(cube, values, 0);
+  const BoundaryCurve& expected = std::get<DooSabinSurface>(*usual.patches).boundary;
+  for (const double factor : {0x1p-600, 0x1p+320}) {
+    const InterpolateResult result = Made(oracle::Moved(cube, factor, {0, 0, 0}), values, 0);
+    const BoundaryCurve& curve = std::get<DooSabinSurface>(*result.patches).boundary;
+    ASSERT_EQ(curve.size(), expected.size());
+    for (std::size_t i = 0; i < curve.size(); ++i) {
+      EXPECT_LE(MaxAbs((1 / factor) * curve.start[i] - expected.start[i]), 1e-15) << factor;
+      EXPECT_LE(MaxAbs((1 / factor) * curve.end[i] - expected.end[i]), 1e-15) << factor;
+    }
+  }
 }
 
 }  // namespace
