@@ -16,12 +16,13 @@
 #include "engine/base/buffer.h"
 #include "engine/base/context.h"
 #include "engine/base/vec3.h"
+#include "engine/constraints/blend.h"
 #include "engine/constraints/constraints.h"
 #include "engine/constraints/fair.h"
+#include "engine/limit/evaluate.h"
 #include "engine/limit/tessellation.h"
 #include "engine/mesh/polygon_mesh.h"
 #include "engine/refine/doo_sabin_rule.h"
-#include "engine/refine/doo_sabin_surface.h"
 #include "engine/scheme/sharpness.h"
 #include "engine/solve/solve.h"
 
@@ -84,12 +85,16 @@ struct InterpolateResult {
   Tessellation surface;
   // With `fair`, where a surface or its patches were asked for.
   std::optional<FairnessReport> fairness;
-  // With `keep_patches`. Its mesh has the input's faces and corners; along plane faces of feature
-  // values it is cut.
-  std::optional<DooSabinSurface> patches;
+  // Where normals or points on the surface are asked for of Catmull-Clark or Loop, and a surface or
+  // its patches. Within the regions that moved the surface is not that of the control mesh any
+  // more, but of its second refinement with some points moved.
+  std::optional<BlendReport> blend;
+  // With `keep_patches`. Doo-Sabin: its mesh has the input's faces and corners; along plane faces
+  // of feature values it is cut.
+  std::optional<LimitSurface> patches;
   // In the order in which they ran: "build", "solve", and with a surface "first_refinement",
-  // "perturb" (both Doo-Sabin's; with feature values one), "fair" and "choose_level" if asked for,
-  // "refine", "limit".
+  // "perturb" (both Doo-Sabin's; with feature values one), "fair", "blend" and "choose_level" if
+  // asked for, "refine", "limit".
   std::vector<StageTime> stages;
 };
 

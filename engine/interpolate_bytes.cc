@@ -8,7 +8,9 @@
 
 #include "engine/base/buffer.h"
 #include "engine/base/vec3.h"
+#include "engine/constraints/blend.h"
 #include "engine/constraints/vertex_plan.h"
+#include "engine/filter.h"
 #include "engine/interpolate.h"
 #include "engine/mesh/polygon_mesh.h"
 
@@ -154,24 +156,60 @@ double FairBytes(const Counts& n) {
          Indices(2 * n.half_edges) + 2 * Indices(n.vertices + n.faces + 1);
 }
 
+bool Blends(const Constraints& constraints) {
+  return !constraints.normals.empty() || !constraints.surface_points.empty();
+}
+
+// Blending: the points that each constraint moves, in two lists, and what else a constraint takes.
+double BlendBytes(const Counts& n, const Constraints& constraints) {
+  // With constraints anywhere, what may be met together: sparse rows and columns.
+  const bool together = !constraints.surface_points.empty();
+  const double point_bytes = together ? 240 : 40;
+  const double constraint_bytes = together ? 8192 : 1024;
+  const auto points = MostBlendPoints(static_cast<std::uint64_t>(n.vertices),
+                                      static_cast<std::uint64_t>(n.half_edges), constraints);
+  // The dense decomposition of a few.
+  const double dense = together ? 8.0 * (1 << 20) : 0;
+  return dense + point_bytes * static_cast<double>(points) + Bytes(n.vertices, 1) +
+         constraint_bytes *
+             static_cast<double>(constraints.normals.size() + constraints.surface_points.size());
+}
+
+// T^k of a Catmull-Clark or Loop surface with its points.
+double PrimalLevel(const Counts& n, bool given) {
+  return (given ? BuiltMesh(n) : SplitMesh(n)) + Points(n.vertices) + SharpnessBytes(n);
+}
+
 // The same of Catmull-Clark and Loop: T^k with its points, and T^(k+1); then the limits.
 double PrimalSurfacePeak(Counts n, const InterpolateOptions& options) {
   const bool loop = options.scheme == Scheme::kLoop;
-  double level = BuiltMesh(n) + Points(n.vertices) + SharpnessBytes(n);
-  double peak = level + Points(n.faces);
-  for (std::uint32_t k = 0; k < LevelOf(options) && peak < kMost; ++k) {
-    n = loop ? n.SplitTriangles() : n.Split();
-    const double next = SplitMesh(n) + Points(n.vertices) + SharpnessBytes(n);
-    peak = std::max(peak, level + next);
-    level = next;
+  const auto split = [loop](const Counts& counts) {
+    return loop ? counts.SplitTriangles() : counts.Split();
+  };
+  const bool blends = Blends(options.constraints);
+  const std::uint32_t level = LevelOf(options);
+  // Blending works on T^2; at level 0 T^1 may be made for limits.
+  const std::uint32_t finest = std::max<std::uint32_t>(options.surface ? level : 0, blends ? 2 : 1);
+  double held = blends ? BlendBytes(n, options.constraints) : 0;
+  double peak = PrimalLevel(n, true) + Points(n.faces);
+  double last = PrimalLevel(n, true);
+  for (std::uint32_t k = 0; k <= finest && peak < kMost; ++k) {
+    if (k > 0) {
+      n = split(n);
+      const double next = PrimalLevel(n, false);
+      peak = std::max(peak, held + last + next);
+      last = next;
+    }
+    const std::uint32_t patch_level = blends ? 2 : (loop ? 0 : 1);
+    if (options.keep_patches && k == patch_level) held += last + Indices(n.faces + 1);
+    if (options.surface && k == level) {
+      // Once more where blending changes some.
+      held += Points(n.vertices) * (options.normals ? 2 : 1) * (blends && level < 2 ? 2 : 1) +
+              Indices(n.half_edges) + Indices(n.faces + 1);
+    }
+    peak = std::max(peak, held + last);
   }
-  // At level 0 T^1 may be made for limits.
-  const double extra =
-      LevelOf(options) == 0
-          ? SplitMesh(n.Split()) + 2 * Points(n.Split().vertices) + SharpnessBytes(n.Split())
-          : 0;
-  return std::max(peak, level + extra + Points(n.vertices) * (options.normals ? 2 : 1) +
-                            Indices(n.half_edges) + Indices(n.faces + 1));
+  return peak;
 }
 
 // What ChooseLevel holds beside the patches: T^1, M^2 and its bounds.
@@ -262,6 +300,18 @@ std::uint64_t EstimateBytes(std::uint64_t vertices, std::uint64_t faces, std::ui
   // Lists of blocks and of runs.
   peak += peak / 64 + 4096;
   return Saturated(peak);
+}
+
+std::uint64_t EstimateFilterBytes(std::uint64_t vertices, std::uint64_t faces,
+                                  std::uint64_t corners, const InterpolateOptions& surface,
+                                  std::uint64_t boundary_edges) {
+  const Counts n = MakeCounts(vertices, faces, corners, boundary_edges);
+  // The rest, the sum and the limits; what limits of the scheme need beside them.
+  const double limits = surface.scheme == Scheme::kDooSabin
+                            ? Points(n.half_edges) + 2 * Curve(n)
+                            : SharpnessBytes(n) + Points(n.faces) + Curve(n);
+  const double peak = std::max(BuildPeak(n), BuiltMesh(n) + 3 * Points(n.vertices) + limits);
+  return Saturated(peak + peak / 64 + 4096);
 }
 
 }  // namespace limn

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "server/constraints_from_proto.h"
 
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -10,26 +11,6 @@
 
 namespace limn {
 namespace {
-
-absl::Status CheckBuilt(const v1::Constraints& constraints) {
-  struct Kind {
-    bool used;
-    absl::string_view field;
-    absl::string_view feature;
-  };
-  const Kind kinds[] = {
-      {constraints.surface_points_size() > 0, "constraints.surface_points",
-       "constraints at points of the surface are"},
-  };
-  for (const Kind& kind : kinds) {
-    if (!kind.used) continue;
-    return MakeError(absl::StrCat(kind.field, ": ", kind.feature, " not implemented yet"),
-                     {.reason = Reason::kUnimplemented,
-                      .field = std::string(kind.field),
-                      .remedy = "Leave it out"});
-  }
-  return absl::OkStatus();
-}
 
 absl::Status CheckCount(absl::string_view field, int count, std::uint64_t vertex_count) {
   if (vertex_count == 0 || static_cast<std::uint64_t>(count) <= vertex_count) {
@@ -109,6 +90,29 @@ absl::Status ReadNormals(const v1::Constraints& constraints, std::vector<NormalC
   return absl::OkStatus();
 }
 
+std::optional<Vec3> ReadVector(bool given, const v1::Vector3& v) {
+  if (!given) return std::nullopt;
+  return Vec3{v.x(), v.y(), v.z()};
+}
+
+void ReadSurfacePoints(const v1::Constraints& constraints, Constraints* out) {
+  out->surface_points.reserve(static_cast<std::size_t>(constraints.surface_points_size()));
+  for (const v1::SurfaceConstraint& given : constraints.surface_points()) {
+    SurfaceConstraint& entry = out->surface_points.emplace_back();
+    if (given.has_vertex()) entry.vertex = given.vertex();
+    if (given.has_parameter()) {
+      const v1::FaceParameter& place = given.parameter();
+      entry.parameter = {
+          .face = place.face(), .corner = place.corner(), .u = place.u(), .v = place.v()};
+    }
+    entry.point = ReadVector(given.has_point(), given.point());
+    entry.normal = ReadVector(given.has_normal(), given.normal());
+    entry.derivative_u = ReadVector(given.has_derivative_u(), given.derivative_u());
+    entry.derivative_v = ReadVector(given.has_derivative_v(), given.derivative_v());
+    entry.region.assign(given.region().begin(), given.region().end());
+  }
+}
+
 void ReadSharp(const v1::Constraints& constraints, Constraints* out) {
   out->creases.reserve(static_cast<std::size_t>(constraints.creases_size()));
   for (const v1::Crease& crease : constraints.creases()) {
@@ -128,7 +132,6 @@ void ReadSharp(const v1::Constraints& constraints, Constraints* out) {
 
 absl::StatusOr<Constraints> ConstraintsFromProto(const v1::Constraints& constraints,
                                                  std::uint64_t vertex_count) {
-  LIMN_RETURN_IF_ERROR(CheckBuilt(constraints));
   LIMN_RETURN_IF_ERROR(CheckCounts(constraints, vertex_count));
   Constraints out;
   if (constraints.has_interpolate()) {
@@ -140,6 +143,7 @@ absl::StatusOr<Constraints> ConstraintsFromProto(const v1::Constraints& constrai
   for (const v1::ShapeHandle& handle : constraints.shape_handles()) {
     out.shape_handles.push_back({.vertex = handle.vertex(), .value = handle.value()});
   }
+  ReadSurfacePoints(constraints, &out);
   ReadSharp(constraints, &out);
   if (constraints.has_features()) {
     LIMN_RETURN_IF_ERROR(ReadFeatures(constraints.features(), &out.features.emplace()));
@@ -154,13 +158,18 @@ std::uint64_t ConstraintBytes(const Constraints& constraints) {
   for (const CreaseConstraint& crease : constraints.creases) {
     creases += crease.vertices.size() * sizeof(Index) + crease.sharpness.size() * sizeof(float);
   }
+  std::uint64_t points = constraints.surface_points.size() * sizeof(SurfaceConstraint);
+  for (const SurfaceConstraint& entry : constraints.surface_points) {
+    points += entry.region.size() * sizeof(Index);
+  }
   std::uint64_t features = 0;
   if (constraints.features.has_value()) {
     features = constraints.features->faces.size() * sizeof(FaceFeature) +
                constraints.features->edges.size() * sizeof(EdgeFeature) +
                constraints.features->vertices.size() * sizeof(VertexFeature);
   }
-  return subset * sizeof(Index) + features + constraints.normals.size() * sizeof(NormalConstraint) +
+  return points + subset * sizeof(Index) + features +
+         constraints.normals.size() * sizeof(NormalConstraint) +
          constraints.shape_handles.size() * sizeof(ShapeHandle) + creases +
          constraints.corners.size() * sizeof(CornerConstraint) +
          constraints.holes.size() * sizeof(Index);

@@ -63,7 +63,7 @@ class EvaluateJob {
   // Samples per message.
   const std::size_t batch_;
   Job job_;
-  std::optional<DooSabinSurface> surface_;
+  std::optional<LimitSurface> surface_;
   std::optional<SurfaceEvaluator> evaluator_;
 
   // The parameters to answer, from `next_` on.

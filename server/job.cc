@@ -60,6 +60,17 @@ void CertifyTile(const wire::DecodedTile& tile, CertificateBuilder* certificate)
   }
 }
 
+v1::BlendReport BlendToProto(const BlendReport& report) {
+  v1::BlendReport proto;
+  proto.set_constraints(report.constraints);
+  proto.set_together(report.together);
+  proto.set_moved_points(report.moved.size());
+  proto.set_max_point_error(report.max_point_error);
+  proto.set_max_normal_deviation(report.max_normal_deviation);
+  proto.set_max_derivative_error(report.max_derivative_error);
+  return proto;
+}
+
 // An error about a mesh that is not the one that was sent.
 absl::Status AfterRepair(const absl::Status& status) {
   const std::optional<ErrorDetail> detail = GetErrorDetail(status);
@@ -97,6 +108,7 @@ absl::Status Job::Decode(std::string encoded_mesh) {  // NOLINT(performance-unne
 
 absl::Status Job::Run() {
   if (spec_.repair) LIMN_RETURN_IF_ERROR(RepairMesh());
+  if (spec_.filter.has_value()) LIMN_RETURN_IF_ERROR(FilterMesh());
   if (spec_.send_surface && spec_.may_have_level_0()) {
     LIMN_RETURN_IF_ERROR(wire::FitLargestFace(mesh_, spec_.engine.normals, &tile_options_));
   }
@@ -111,6 +123,7 @@ absl::Status Job::Run() {
   chord_bound_ = result.chord_bound;
   if (chord_bound_.has_value()) spec_.engine.finest = result.surface.level;
   fairness_ = result.fairness;
+  blend_ = std::move(result.blend);
   surface_ = std::move(result.surface);
   patches_ = std::move(result.patches);
   certificate_.emplace(std::exchange(mesh_.positions, std::move(result.control_positions)),
@@ -128,6 +141,15 @@ absl::Status Job::Run() {
   if (spec_.send_control_mesh) LIMN_RETURN_IF_ERROR(EncodeControlMesh());
   mesh_ = PolygonMesh{};
   part_ = mapping_.has_value() ? Part::kRepair : PartAfterRepair();
+  return absl::OkStatus();
+}
+
+absl::Status Job::FilterMesh() {
+  const Clock::time_point start = Clock::now();
+  absl::StatusOr<Buffer<Vec3>> points = Filter(context_, mesh_, *spec_.filter, spec_.engine);
+  if (!points.ok() && mapping_.has_value()) return AfterRepair(points.status());
+  LIMN_ASSIGN_OR_RETURN(mesh_.positions, std::move(points));
+  AddStage("filter", MillisecondsSince(start));
   return absl::OkStatus();
 }
 
@@ -289,6 +311,7 @@ void Job::FillSummary(v1::Summary* summary) {
 
   if (chord_bound_.has_value()) summary->set_chord_bound(*chord_bound_);
   if (fairness_.has_value()) *summary->mutable_fairness() = FairnessToProto(*fairness_);
+  if (blend_.has_value()) *summary->mutable_blend() = BlendToProto(*blend_);
   if (spec_.repair) *summary->mutable_repair() = RepairToProto(repaired_.report);
 
   for (const StageTime& stage : stages_) {

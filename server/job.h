@@ -13,8 +13,8 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "engine/base/context.h"
+#include "engine/constraints/certificate.h"
 #include "engine/interpolate.h"
-#include "engine/limit/certificate.h"
 #include "engine/mesh/repair.h"
 #include "limn/v1/interpolate.pb.h"
 #include "proto/wire/chunks.h"
@@ -54,7 +54,7 @@ class Job {
   [[nodiscard]] absl::StatusOr<bool> NextMessage(v1::InterpolateResponse* message);
 
   // After Run, the surface itself, if the spec keeps patches. Once.
-  std::optional<DooSabinSurface> TakePatches() { return std::exchange(patches_, std::nullopt); }
+  std::optional<LimitSurface> TakePatches() { return std::exchange(patches_, std::nullopt); }
 
   // The stages until now, in order.
   const std::vector<StageTime>& stages() const { return stages_; }
@@ -69,6 +69,7 @@ class Job {
   enum class Part { kRepair, kControlHeader, kControlChunks, kTiles, kSummary, kNone };
 
   [[nodiscard]] absl::Status RepairMesh();
+  [[nodiscard]] absl::Status FilterMesh();
   [[nodiscard]] absl::Status Fill(v1::InterpolateResponse* message);
   [[nodiscard]] absl::Status EncodeControlMesh();
   Part PartAfterRepair() const;
@@ -96,8 +97,9 @@ class Job {
   double bilinear_share_ = 0;
   std::optional<double> chord_bound_;
   std::optional<FairnessReport> fairness_;
+  std::optional<BlendReport> blend_;
   Tessellation surface_;
-  std::optional<DooSabinSurface> patches_;
+  std::optional<LimitSurface> patches_;
   std::optional<CertificateBuilder> certificate_;
 
   Part part_ = Part::kNone;

@@ -13,6 +13,11 @@ constexpr double kPerCornerOfASweep = 4;
 constexpr double kPerCornerOfRepair = 300;
 constexpr double kPerSurfaceCorner = 15;
 constexpr double kPerConstraint = 2000;
+// On the surface: a region is looked for, and where constraints are close many are met together.
+constexpr double kPerBlend = 20'000;
+constexpr double kPerSurfaceConstraint = 500'000;
+constexpr double kPerRegionFace = 2000;
+constexpr double kPerCornerOfAGain = 40;
 // Bytes that a corner of a small Draco mesh takes at the least.
 constexpr double kLeastCornerBytes = 0.5;
 
@@ -53,6 +58,21 @@ double ConstraintCount(const Constraints& constraints) {
                              (constraints.interpolate ? constraints.interpolate->size() / 16 : 0));
 }
 
+// What blending takes: two refinements at the least, and each constraint.
+double BlendNanoseconds(const JobSpec& spec, double corners) {
+  const Constraints& constraints = spec.engine.constraints;
+  const bool blends = spec.engine.scheme != Scheme::kDooSabin &&
+                      (!constraints.normals.empty() || !constraints.surface_points.empty());
+  if (!blends) return 0;
+  double nanoseconds = 16 * kPerSurfaceCorner * corners +
+                       kPerBlend * static_cast<double>(constraints.normals.size());
+  for (const SurfaceConstraint& constraint : constraints.surface_points) {
+    nanoseconds +=
+        kPerSurfaceConstraint + kPerRegionFace * static_cast<double>(constraint.region.size());
+  }
+  return nanoseconds;
+}
+
 }  // namespace
 
 std::uint64_t EstimateMilliseconds(const JobSpec& spec) {
@@ -71,6 +91,10 @@ std::uint64_t EstimateMilliseconds(const JobSpec& spec) {
                    (kPerSurfaceCorner + PerEncodedCorner(spec.tiles.encoding));
   }
   nanoseconds += kPerConstraint * ConstraintCount(spec.engine.constraints);
+  nanoseconds += BlendNanoseconds(spec, corners);
+  if (spec.filter.has_value()) {
+    nanoseconds += corners * kPerCornerOfAGain * static_cast<double>(spec.filter->gains.size());
+  }
   constexpr double kMost = 1e15;
   return static_cast<std::uint64_t>(std::clamp(nanoseconds / 1e6, 1.0, kMost));
 }

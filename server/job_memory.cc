@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "engine/base/error.h"
-#include "engine/limit/certificate.h"
+#include "engine/constraints/certificate.h"
 #include "engine/mesh/repair.h"
 #include "proto/wire/chunks.h"
 #include "proto/wire/mesh_memory.h"
@@ -116,6 +116,11 @@ std::uint64_t EstimateJobBytes(const JobSpec& spec) {
   }
   std::uint64_t computing = Sum(
       {mesh, EstimateBytes(counts.vertices, counts.faces, counts.corners, spec.engine, boundary)});
+  if (spec.filter.has_value()) {
+    computing = std::max(
+        computing, Sum({mesh, EstimateFilterBytes(counts.vertices, counts.faces, counts.corners,
+                                                  spec.engine, boundary)}));
+  }
   if (spec.engine.keep_patches) {
     computing = Sum({computing, kLargeFaceBytes * counts.corners,
                      kBlocksInFlight * wire::kMaxBlockParameters * sizeof(SurfaceParameter)});

@@ -66,12 +66,6 @@ grpc::ServerBidiReactor<v1::EvaluateRequest, v1::EvaluateResponse>* LimnService:
   return JobReactor<EvaluateRpc>::Create(core_, context);
 }
 
-grpc::ServerBidiReactor<v1::FilterRequest, v1::FilterResponse>* LimnService::Filter(
-    grpc::CallbackServerContext* context) {
-  return new RefusingReactor<v1::FilterRequest, v1::FilterResponse>(
-      Answer(core_, context, "Filter", NotBuilt("Filter")));
-}
-
 grpc::ServerBidiReactor<v1::EditRequest, v1::EditResponse>* LimnService::Edit(
     grpc::CallbackServerContext* context) {
   return new RefusingReactor<v1::EditRequest, v1::EditResponse>(

@@ -23,8 +23,6 @@ class LimnService final : public v1::LimnService::CallbackService {
   // Not built yet: UNIMPLEMENTED with their names.
   grpc::ServerBidiReactor<v1::BatchRequest, v1::BatchResponse>* Batch(
       grpc::CallbackServerContext* context) override;
-  grpc::ServerBidiReactor<v1::FilterRequest, v1::FilterResponse>* Filter(
-      grpc::CallbackServerContext* context) override;
   grpc::ServerBidiReactor<v1::EditRequest, v1::EditResponse>* Edit(
       grpc::CallbackServerContext* context) override;
 

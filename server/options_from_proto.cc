@@ -212,6 +212,16 @@ void ReadOutput(const v1::OutputOptions& output, JobSpec* spec) {
   spec->tiles.omit_connectivity = output.omit_connectivity();
 }
 
+absl::Status ReadFilter(const v1::FilterOptions& filter, JobSpec* spec) {
+  spec->filter.emplace();
+  spec->filter->gains.assign(filter.gains().begin(), filter.gains().end());
+  spec->filter->rest = filter.rest();
+  LIMN_RETURN_IF_ERROR(ValidateFilter(*spec->filter, spec->engine));
+  // The filtered mesh is a control mesh.
+  spec->engine.constraints.interpolate.emplace();
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::StatusOr<JobSpec> JobSpecFromProto(const v1::InterpolateHeader& header) {
@@ -240,6 +250,7 @@ absl::StatusOr<JobSpec> JobSpecFromProto(const v1::InterpolateHeader& header) {
   LIMN_RETURN_IF_ERROR(CheckHolesTravel(header.output(), spec));
   LIMN_RETURN_IF_ERROR(CheckRepairWithFeatures(header.output(), spec));
   LIMN_RETURN_IF_ERROR(ValidateSchemeOptions(spec.engine));
+  if (header.has_filter()) LIMN_RETURN_IF_ERROR(ReadFilter(header.filter(), &spec));
   return spec;
 }
 

@@ -4,9 +4,11 @@
 // field's name.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "engine/filter.h"
 #include "engine/interpolate.h"
 #include "engine/mesh/repair.h"
 #include "limn/v1/interpolate.pb.h"
@@ -24,6 +26,8 @@ struct JobSpec {
   // `surface` is always set: without one to send, level 0 is computed for the certificate. So are
   // `normals` where some are prescribed.
   InterpolateOptions engine;
+  // With it, the mesh is filtered, and the engine interpolates nothing.
+  std::optional<FilterOptions> filter;
   // Whether the mesh is repaired first.
   bool repair = false;
   bool send_control_mesh = false;

@@ -13,7 +13,7 @@ void AddConstraintsFlag(CLI::App& app, std::string* path) {
   app.add_option("--constraints", *path,
                  "What the surface meets, as JSON of limn.v1.Constraints: which vertices to "
                  "interpolate [all], and for doo-sabin normals, shapeHandles and features, for "
-                 "catmull-clark and loop creases, corners and holes")
+                 "catmull-clark and loop normals, surfacePoints, creases, corners and holes")
       ->type_name("FILE.json");
 }
 

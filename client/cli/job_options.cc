@@ -94,6 +94,15 @@ std::string CheckDistance(const std::string& text) {
   return {};
 }
 
+// Empty if the text is a finite number.
+std::string CheckFinite(const std::string& text) {
+  double value = 0;
+  if (!CLI::detail::lexical_cast(text, value) || !std::isfinite(value)) {
+    return "must be a number; got '" + text + "'";
+  }
+  return {};
+}
+
 void CheckAtTheEnd(CLI::App& app, const JobOptions* options) {
   app.parse_complete_callback([options] {
     const absl::Status status = CheckTogether(*options);
@@ -101,12 +110,20 @@ void CheckAtTheEnd(CLI::App& app, const JobOptions* options) {
   });
 }
 
-}  // namespace
-
-void AddSolveFlags(CLI::App& app, JobOptions* options) {
+void AddSchemeFlags(CLI::App& app, JobOptions* options) {
   app.add_option("--scheme", options->scheme, "Subdivision scheme; loop is for triangles")
       ->check(OneOf(kSchemes))
       ->capture_default_str();
+  app.add_option("--boundary", options->boundary,
+                 "What becomes of the boundary under catmull-clark and loop, as in OpenSubdiv "
+                 "[edge-and-corner]")
+      ->check(OneOf(kBoundaries));
+}
+
+}  // namespace
+
+void AddSolveFlags(CLI::App& app, JobOptions* options) {
+  AddSchemeFlags(app, options);
   app.add_option("--solver", options->solver,
                  "Iteration that finds the control mesh [chebyshev, or conjugate-gradient where no "
                  "bound of the spectrum is known that serves]")
@@ -118,10 +135,6 @@ void AddSolveFlags(CLI::App& app, JobOptions* options) {
                  "singular or nearly so)")
       ->check(OneOf(kRules));
   app.add_flag("--strict", options->strict, "Refuse such meshes instead");
-  app.add_option("--boundary", options->boundary,
-                 "What becomes of the boundary under catmull-clark and loop, as in OpenSubdiv "
-                 "[edge-and-corner]")
-      ->check(OneOf(kBoundaries));
   app.add_option("--tolerance", options->tolerance,
                  "Stop when no vertex moves further in a sweep than this part of the bounding "
                  "box's diagonal; 0 runs --max-sweeps [1e-12]")
@@ -134,6 +147,22 @@ void AddSolveFlags(CLI::App& app, JobOptions* options) {
   app.add_flag("--fair", options->fair,
                "Cure overshoot where edge lengths differ, when that lowers the bending energy");
   CheckAtTheEnd(app, options);
+}
+
+void AddFilterFlags(CLI::App& app, JobOptions* options) {
+  AddSchemeFlags(app, options);
+  app.add_option("--gains", options->gains,
+                 "Gain of each term of the series, from smooth to rough: '1' smooths, '1,0.5' less "
+                 "so, '0' with --rest 1 leaves the details")
+      ->delimiter(',')
+      ->required()
+      ->check(CLI::Validator(CheckFinite, "", "gain"))
+      ->type_name("G[,G...]");
+  app.add_option("--rest", options->rest,
+                 "Gain of all terms after these: 0 leaves them out, above 1 sharpens")
+      ->check(CLI::Validator(CheckFinite, "", "gain"))
+      ->capture_default_str()
+      ->type_name("G");
 }
 
 void AddTessellationFlags(CLI::App& app, JobOptions* options) {
@@ -182,6 +211,11 @@ v1::InterpolateHeader MakeJobHeader(const JobOptions& options, const WantedOutpu
   }
   if (options.boundary) {
     header.mutable_surface()->set_boundary(ValueOf(kBoundaries, *options.boundary));
+  }
+  if (!options.gains.empty()) {
+    v1::FilterOptions& filter = *header.mutable_filter();
+    filter.mutable_gains()->Assign(options.gains.begin(), options.gains.end());
+    filter.set_rest(options.rest);
   }
 
   const v1::MeshEncoding encoding = ValueOf(kEncodings, options.encoding);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <CLI/App.hpp>
 
@@ -28,6 +29,9 @@ struct JobOptions {
   bool repair = false;
   bool fair = false;
   bool strict = false;
+  // Gains of a filter; none: interpolate. With them `rest`.
+  std::vector<double> gains;
+  double rest = 0;
 };
 
 // Add the flags of how the surface is found, and of its tessellation, how it travels and what is
@@ -35,6 +39,8 @@ struct JobOptions {
 // go together, end the parse with a CLI::ValidationError. *options must live as long as app.
 void AddSolveFlags(CLI::App& app, JobOptions* options);
 void AddTessellationFlags(CLI::App& app, JobOptions* options);
+// The scheme and the boundary alone, and the filter's gains.
+void AddFilterFlags(CLI::App& app, JobOptions* options);
 
 // What to ask the server to send back.
 struct WantedOutputs {

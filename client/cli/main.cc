@@ -46,6 +46,7 @@ ExitStatus Main(int argc, char** argv) {
   app.footer(kFooter);
   ExitStatus status = ExitStatus::kOk;
   AddInterpolateCommand(app, &status);
+  AddFilterCommand(app, &status);
   AddFeaturesCommand(app, &status);
   AddEvaluateCommand(app, &status);
   AddGenerateCommand(app, &status);

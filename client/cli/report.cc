@@ -87,6 +87,12 @@ std::string FairnessRow(const v1::FairnessReport& fairness) {
                                                fairness.energy_before(), cures));
 }
 
+std::string BlendRows(const v1::BlendReport& blend) {
+  std::string rows = Row("met on the surface", WithCommas(blend.constraints()) + " constraints");
+  if (blend.together() > 0) rows += Row("", WithCommas(blend.together()) + " of them together");
+  return rows + Row("control points moved", WithCommas(blend.moved_points()) + " of level 2");
+}
+
 std::string RepairRows(const v1::RepairReport& repair) {
   const std::pair<std::uint64_t, std::string_view> changes[] = {
       {repair.degenerate_faces_removed(), "degenerate faces removed"},
@@ -123,6 +129,7 @@ std::string SummaryTable(const v1::Summary& summary) {
   table += Row("given vertices", WithCommas(summary.input_vertices()));
   table += Row("given faces", WithCommas(summary.input_faces()));
   if (summary.has_fairness()) table += FairnessRow(summary.fairness());
+  if (summary.has_blend()) table += BlendRows(summary.blend());
   if (summary.has_repair()) table += RepairRows(summary.repair());
   if (summary.surface_vertices() > 0) {
     table += Row("surface vertices", WithCommas(summary.surface_vertices()));

@@ -12,6 +12,7 @@
 #include "engine/base/context.h"
 #include "engine/base/vec3.h"
 #include "engine/constraints/feature_values.h"
+#include "engine/limit/surface_parameter.h"
 #include "engine/mesh/half_edge_mesh.h"
 #include "engine/mesh/polygon_mesh.h"
 
@@ -52,6 +53,24 @@ struct CornerConstraint {
   float sharpness = 0;
 };
 
+// A point, a normal and first derivatives of the surface at a vertex or at a parameter of a face.
+// Catmull-Clark and Loop; engine/constraints/blend.h says what is met, and how.
+struct SurfaceConstraint {
+  // Either one.
+  std::optional<Index> vertex;
+  std::optional<SurfaceParameter> parameter;
+  // In the model's frame. Absent: the point stays where it is.
+  std::optional<Vec3> point;
+  // As NormalConstraint's.
+  std::optional<Vec3> normal;
+  // By u and v as evaluation counts them, at parameters only. Not zero, and not parallel.
+  std::optional<Vec3> derivative_u;
+  std::optional<Vec3> derivative_v;
+  // Faces of T^2 that may change; see engine/limit/tessellation.h for their numbers. Empty: chosen
+  // by the engine.
+  std::vector<Index> region;
+};
+
 struct Constraints {
   // Vertices to interpolate, each at most once, in any order. Absent: all of them, or none with
   // feature values. The others keep their given points as control points and only shape the
@@ -61,6 +80,8 @@ struct Constraints {
   std::vector<NormalConstraint> normals;
   // At most one per vertex. Doo-Sabin.
   std::vector<ShapeHandle> shape_handles;
+  // At most one per vertex, normals counted.
+  std::vector<SurfaceConstraint> surface_points;
   // The last one that names an edge or a vertex counts.
   std::vector<CreaseConstraint> creases;
   std::vector<CornerConstraint> corners;
@@ -77,9 +98,9 @@ struct Constraints {
 // "constraints.normals[3].vertex", and its index: INDEX_OUT_OF_RANGE; INVALID_OPTION for repeated
 // vertices, for normals that are zero or not finite or at vertices that are not interpolated, for
 // handles out of their range; CANCELLED, DEADLINE_EXCEEDED. Cost: linear in the
-// constraints, and one bit a vertex. Creases, corners and holes are checked when their sharpness is
-// made, see engine/constraints/creases.h, feature values when they are looked up, see
-// MakeFeatureTable. Thread-safe.
+// constraints, and one bit a vertex. What is about edges and faces is checked when there is a
+// mesh: creases, corners and holes by engine/constraints/creases.h, surface_points by
+// engine/constraints/blend_targets.h, feature values by MakeFeatureTable. Thread-safe.
 [[nodiscard]] absl::Status ValidateConstraints(const Context& context,
                                                const Constraints& constraints,
                                                std::size_t vertex_count);

@@ -12,7 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
-#include "engine/constraints/perturb.h"
+#include "engine/refine/average_normal.h"
 
 namespace limn {
 namespace {
@@ -21,15 +21,15 @@ namespace {
 constexpr double kPlanar = 1e-13;
 // Sine from which on a plane is another one.
 constexpr double kOtherPlane = 1e-3;
+// Different planes around a vertex among which those of a further face are looked for.
+constexpr std::size_t kPlanesAround = 4;
 // Of the shortest edge: the furthest that a vertex is moved.
 constexpr double kFurthest = 1.0 / 8;
 
-absl::Status Refuse(std::size_t index, const std::string& message, const char* remedy) {
-  return MakeError(absl::StrCat("constraints.features: ", message),
-                   {.reason = Reason::kInvalidOption,
-                    .field = "constraints.features",
-                    .index = index,
-                    .remedy = remedy});
+absl::Status Refuse(const std::string& message, const char* remedy) {
+  return MakeError(
+      absl::StrCat("constraints.features.faces: ", message),
+      {.reason = Reason::kInvalidOption, .field = "constraints.features.faces", .remedy = remedy});
 }
 
 struct Plane {
@@ -39,6 +39,31 @@ struct Plane {
   double Height(const Vec3& p) const { return Dot(normal, p - point); }
 };
 
+// Whether they are one plane's, whichever way round; no vector has none.
+bool SameDirection(const Vec3& a, const Vec3& b) {
+  return Norm(Cross(a, b)) < kOtherPlane * std::fabs(Dot(a, b));
+}
+
+// Faces that are joined, each with the least of its set as the set's number.
+class FaceSets {
+ public:
+  explicit FaceSets(std::size_t faces) : parent_(faces) {
+    for (std::size_t f = 0; f < faces; ++f) parent_[f] = static_cast<Index>(f);
+  }
+  Index Find(Index f) {
+    while (parent_[f] != f) f = parent_[f] = parent_[parent_[f]];
+    return f;
+  }
+  void Join(Index a, Index b) {
+    a = Find(a);
+    b = Find(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  Buffer<Index> parent_;
+};
+
 class Flattener {
  public:
   Flattener(const HalfEdgeMesh& mesh, const FeatureTable& table, const PlanePoints& given)
@@ -46,6 +71,7 @@ class Flattener {
         walk_(mesh),
         table_(table),
         points_(given.points),
+        scale_(given.scale),
         planar_(kPlanar * given.scale) {}
 
   absl::StatusOr<Buffer<Vec3>> Run(const Context& context) {
@@ -61,13 +87,10 @@ class Flattener {
           return highest;
         },
         &height));
-    for (std::size_t f = 0; f < mesh_.face_count(); ++f) {
-      if (!table_.IsPlane(f) || planes_[f].normal != Vec3{0, 0, 0}) continue;
-      return Refuse(f, absl::StrCat("face ", f, " has no plane, its corners lie on a line"),
-                    "Make it a surface face, or move a corner");
-    }
+    LIMN_RETURN_IF_ERROR(CheckPlanes(context));
     Buffer<Vec3> moved;
     if (height <= planar_) return moved;
+    LIMN_RETURN_IF_ERROR(JoinPlanes(context));
     moved.assign(points_.begin(), points_.end());
     Buffer<std::uint8_t> failed(points_.size());
     LIMN_RETURN_IF_ERROR(
@@ -80,14 +103,31 @@ class Flattener {
         }));
     const auto first = std::find(failed.begin(), failed.end(), 1);
     if (first == failed.end()) return moved;
-    const auto v = static_cast<std::size_t>(first - failed.begin());
-    return Refuse(v,
-                  absl::StrCat("the plane faces around vertex ", v,
+    return Refuse(absl::StrCat("the plane faces around vertex ", first - failed.begin(),
                                " are far from planar, or their planes do not meet near it"),
                   "Make some of them surface faces, or make them planar");
   }
 
  private:
+  // Whether vertices have to be moved into the face's plane; those of triangles are in it wherever
+  // they are.
+  bool Binds(std::size_t f) const {
+    return table_.IsPlane(f) && mesh_.face_begin()[f + 1] - mesh_.face_begin()[f] > 3;
+  }
+
+  absl::Status CheckPlanes(const Context& context) const {
+    std::size_t flawed = mesh_.face_count();
+    LIMN_RETURN_IF_ERROR(
+        ForInOrder(context, mesh_.face_count(), [&](std::size_t begin, std::size_t end) {
+          for (std::size_t f = begin; f < end && flawed == mesh_.face_count(); ++f) {
+            if (table_.IsPlane(f) && planes_[f].normal == Vec3{0, 0, 0}) flawed = f;
+          }
+        }));
+    if (flawed == mesh_.face_count()) return absl::OkStatus();
+    return Refuse(absl::StrCat("face ", flawed, " has no plane, its corners lie on a line"),
+                  "Make it a surface face, or move a corner");
+  }
+
   // The largest height of a corner over the plane.
   double FindPlane(std::size_t f) {
     const Index first = mesh_.face_begin()[f];
@@ -98,17 +138,100 @@ class Flattener {
     Plane& plane = planes_[f];
     plane.point = point(0) + (1.0 / static_cast<double>(m)) * sum;
     plane.normal = AverageNormal(m, plane.point, point);
+    return Binds(f) ? Highest(f) : 0;
+  }
+
+  double Highest(std::size_t f) const {
     double highest = 0;
-    for (std::size_t i = 0; i < m; ++i) {
-      highest = std::max(highest, std::fabs(plane.Height(point(i))));
+    for (Index h = mesh_.face_begin()[f]; h < mesh_.face_begin()[f + 1]; ++h) {
+      highest = std::max(highest, std::fabs(planes_[f].Height(points_[mesh_.vertex()[h]])));
     }
     return highest;
   }
 
-  // The shortest way into all planes around a vertex; nothing if there is none that is short.
+  // Neighbours that are coplanar but for roundings, and not planar for the same reason, get one
+  // plane: their own ones are too near to each other to meet in a line that means anything.
+  absl::Status JoinPlanes(const Context& context) {
+    FaceSets sets(mesh_.face_count());
+    LIMN_RETURN_IF_ERROR(
+        ForInOrder(context, mesh_.vertex_count(), [&](std::size_t begin, std::size_t end) {
+          for (std::size_t v = begin; v < end; ++v) JoinAround(v, &sets);
+        }));
+    // By the number of a set: the sum of its planes, weighted by area.
+    struct Sum {
+      Plane plane;
+      double weight = 0;
+      // It has two faces and more, one of which is not planar.
+      bool wide = false;
+      bool bent = false;
+    };
+    Buffer<Sum> sums(mesh_.face_count());
+    const auto each = [&](const auto& visit) {
+      return ForInOrder(context, mesh_.face_count(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t f = begin; f < end; ++f) {
+          if (!Binds(f)) continue;
+          const Index number = sets.Find(static_cast<Index>(f));
+          visit(f, number, sums[number]);
+        }
+      });
+    };
+    LIMN_RETURN_IF_ERROR(each([&](std::size_t f, Index number, Sum& sum) {
+      const Plane& plane = planes_[f];
+      const double weight = AreaOf(f);
+      const bool turned = Dot(plane.normal, planes_[number].normal) < 0;
+      sum.plane.normal += (turned ? -weight : weight) * plane.normal;
+      sum.plane.point += weight * (plane.point - planes_[number].point);
+      sum.weight += weight;
+      sum.wide = sum.wide || f != number;
+      sum.bent = sum.bent || Highest(f) > planar_;
+    }));
+    LIMN_RETURN_IF_ERROR(each([&](std::size_t f, Index number, Sum& sum) {
+      if (f != number || !sum.wide || !sum.bent) return;
+      sum.plane = {.normal = NormalizedOrZero(sum.plane.normal),
+                   .point = planes_[f].point + (1 / sum.weight) * sum.plane.point};
+    }));
+    // Not where small turns add up, as around a fine cylinder.
+    LIMN_RETURN_IF_ERROR(each([&](std::size_t f, Index /*number*/, Sum& sum) {
+      if (!SameDirection(planes_[f].normal, sum.plane.normal)) sum.bent = false;
+    }));
+    return each([&](std::size_t f, Index /*number*/, const Sum& sum) {
+      if (sum.wide && sum.bent) planes_[f] = sum.plane;
+    });
+  }
+
+  void JoinAround(std::size_t v, FaceSets* sets) const {
+    std::array<Index, kPlanesAround> seen;
+    std::size_t count = 0;
+    for (Index i = mesh_.fan_begin()[v]; i < mesh_.fan_begin()[v + 1]; ++i) {
+      const Index f = mesh_.face()[mesh_.fan()[i]];
+      if (!Binds(f)) continue;
+      const auto end = seen.begin() + static_cast<std::ptrdiff_t>(count);
+      const auto same = std::find_if(seen.begin(), end, [&](Index g) {
+        return SameDirection(planes_[f].normal, planes_[g].normal);
+      });
+      if (same != end) {
+        sets->Join(f, *same);
+      } else if (count < seen.size()) {
+        seen[count++] = f;
+      }
+    }
+  }
+
+  // Twice the area, of the square of the scale.
+  double AreaOf(std::size_t f) const {
+    const Index first = mesh_.face_begin()[f];
+    return Norm(AreaAroundOrigin(mesh_.face_begin()[f + 1] - first, [&](std::size_t i) {
+                  const Vec3 d = points_[mesh_.vertex()[first + i]] - planes_[f].point;
+                  return Vec3{d.x / scale_, d.y / scale_, d.z / scale_};
+                }).twice);
+  }
+
+  // The shortest way into all planes around a vertex; nothing if there is none that is short. None
+  // to go where it is in all of them.
   std::optional<Vec3> Move(std::size_t v) const {
     const absl::Span<const Index> fan = mesh_.fan().subspan(mesh_.fan_begin()[v], mesh_.valence(v));
     const Vec3& at = points_[v];
+    if (HeightAround(fan, at) <= planar_) return Vec3{0, 0, 0};
     Vec3 by = {0, 0, 0};
     // Orthonormal directions that have been used.
     std::array<Vec3, 3> used;
@@ -117,7 +240,7 @@ class Flattener {
       double width = kOtherPlane;
       double height = 0;
       for (const Index h : fan) {
-        if (!table_.IsPlane(mesh_.face()[h])) continue;
+        if (!Binds(mesh_.face()[h])) continue;
         const Plane& plane = planes_[mesh_.face()[h]];
         Vec3 rest = plane.normal;
         for (std::size_t i = 0; i < count; ++i) rest -= Dot(rest, used[i]) * used[i];
@@ -130,22 +253,38 @@ class Flattener {
       used[count] = (1 / width) * widest;
       by -= (height / width) * used[count];
     }
-    double shortest = std::numeric_limits<double>::infinity();
+    // Planes that count as one may differ by as much as is planar.
+    if (HeightAround(fan, at + by) > 2 * planar_) return std::nullopt;
+    if (Norm(by) > std::max(kFurthest * ShortestEdge(fan, at), planar_)) return std::nullopt;
+    return by;
+  }
+
+  double HeightAround(absl::Span<const Index> fan, const Vec3& at) const {
+    double highest = 0;
     for (const Index h : fan) {
       const Index f = mesh_.face()[h];
-      if (table_.IsPlane(f) && std::fabs(planes_[f].Height(at + by)) > planar_) return std::nullopt;
+      if (Binds(f)) highest = std::max(highest, std::fabs(planes_[f].Height(at)));
+    }
+    return highest;
+  }
+
+  // Edges without length bound nothing: they have none to keep.
+  double ShortestEdge(absl::Span<const Index> fan, const Vec3& at) const {
+    double shortest = std::numeric_limits<double>::infinity();
+    for (const Index h : fan) {
       for (const Index other : {walk_.Next(h), walk_.Prev(h)}) {
-        shortest = std::min(shortest, Norm(points_[mesh_.vertex()[other]] - at));
+        const double length = Norm(points_[mesh_.vertex()[other]] - at);
+        if (length > planar_) shortest = std::min(shortest, length);
       }
     }
-    if (Norm(by) > std::max(kFurthest * shortest, planar_)) return std::nullopt;
-    return by;
+    return std::isfinite(shortest) ? shortest : 0;
   }
 
   const HalfEdgeMesh& mesh_;
   const PolygonWalk walk_;
   const FeatureTable& table_;
   const absl::Span<const Vec3> points_;
+  const double scale_;
   const double planar_;
   // By face.
   Buffer<Plane> planes_;

@@ -23,14 +23,21 @@ struct PlanePoints {
 };
 
 // Points with which all plane faces are planar: empty when they are as given, each corner within
-// 1e-13 of the diagonal of its face's plane. Else the corners of plane faces are moved into the
-// planes through their faces' means along the average normals [ZC Eq. 10], by the shortest way into
-// all the planes around a vertex.
+// 1e-13 of the diagonal of its face's plane. Else vertices of plane faces that are not in all the
+// planes around them are moved there by the shortest way; the others stay as they are, to the bit.
+// A face's plane is that through its mean along its average normal [ZC Eq. 10]. Triangles are
+// planar wherever their vertices are, and move none.
 //
-// Errors, INVALID_OPTION, "constraints.features" with the number of the face or the vertex as
-// index: a face whose corners lie on a line; a vertex whose planes do not meet in a point, or
-// nearly not (a further plane counts from an angle of 1e-3 on), or only further away than an eighth
-// of its shortest edge. CANCELLED, DEADLINE_EXCEEDED. Cost: a pass over the corners. Thread-safe.
+// Faces that meet at a vertex at less than 1e-3 rad, and the neighbours of these, count as one
+// plane where one of them is not planar, such as those of a plane that was cut up and rounded: that
+// through their mean along their mean normal, weighted by area. Where small turns add up to more
+// than 1e-3 rad from the mean, as around a fine cylinder, each keeps its own.
+//
+// Errors, INVALID_OPTION, "constraints.features.faces", naming the face or the vertex: a face whose
+// corners lie on a line; a vertex whose planes do not meet in a point within 2e-13 of the diagonal,
+// or nearly not (a further plane counts from an angle of 1e-3 on), or only further away than an
+// eighth of its shortest edge (of those with a length). CANCELLED, DEADLINE_EXCEEDED. Cost: a few
+// passes over the corners. Same result for any number of threads. Thread-safe.
 [[nodiscard]] absl::StatusOr<Buffer<Vec3>> FlattenPlaneFaces(const Context& context,
                                                              const HalfEdgeMesh& mesh,
                                                              const FeatureTable& table,

@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
+#include "engine/base/parallel.h"
 
 namespace limn {
 namespace {
@@ -87,9 +88,12 @@ class TableMaker {
       if (table_.plane.empty()) continue;
       table_.plane[face] = values_.faces[i].kind == FaceKind::kPlane ? 1 : 0;
     }
-    if (std::none_of(table_.plane.begin(), table_.plane.end(), [](auto p) { return p != 0; })) {
-      table_.plane.clear();
-    }
+    bool any = false;
+    LIMN_RETURN_IF_ERROR(
+        ForInOrder(context_, table_.plane.size(), [&](std::size_t begin, std::size_t end) {
+          for (std::size_t f = begin; f < end; ++f) any = any || table_.plane[f] != 0;
+        }));
+    if (!any) table_.plane.clear();
     return absl::OkStatus();
   }
 

@@ -34,10 +34,16 @@ absl::Status Refuse(std::string_view list, std::size_t index, const std::string&
 // The feet on the line from a to b of two points that belong to its ends; see the header.
 std::array<Vec3, 2> FeetOn(const Vec3& a, const Vec3& b, const Vec3& of_a, const Vec3& of_b) {
   const Vec3 along = b - a;
-  const double square = Dot(along, along);
-  if (!(square > 0)) return {a, b};
-  double from = std::clamp(Dot(of_a - a, along) / square, 0.0, 1.0);
-  double to = std::clamp(Dot(of_b - a, along) / square, 0.0, 1.0);
+  const double size = MaxAbs(along);
+  if (!(size > 0)) return {a, b};
+  // Squares of tiny and of huge lengths are none.
+  const auto scaled = [&](const Vec3& d) { return Vec3{d.x / size, d.y / size, d.z / size}; };
+  const Vec3 unit = scaled(along);
+  const auto share = [&](const Vec3& p) {
+    return std::clamp(Dot(scaled(p - a), unit) / Dot(unit, unit), 0.0, 1.0);
+  };
+  double from = share(of_a);
+  double to = share(of_b);
   if (from > to) from = to = 0.5 * (from + to);
   const auto at = [&](double t) { return t <= 0.5 ? a + t * along : b - (1 - t) * along; };
   return {at(from), at(to)};
@@ -98,7 +104,11 @@ class FeatureSurface::Maker {
   absl::Status MarkVertices() {
     marks_.assign(given_.vertex_count(), 0);
     if (task_.constraints.interpolate.has_value()) {
-      for (const Index v : *task_.constraints.interpolate) marks_[v] = kInterpolated;
+      const std::vector<Index>& vertices = *task_.constraints.interpolate;
+      LIMN_RETURN_IF_ERROR(
+          ForInOrder(context_, vertices.size(), [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) marks_[vertices[i]] = kInterpolated;
+          }));
     }
     if (table_.plane.empty()) return absl::OkStatus();
     return ParallelFor(context_, marks_.size(), [&](std::size_t begin, std::size_t end) {
@@ -119,24 +129,33 @@ class FeatureSurface::Maker {
   absl::Status CheckConstraints() const {
     const Constraints& constraints = task_.constraints;
     const auto of_plane = [&](Index v) { return (marks_[v] & kOfPlane) != 0; };
-    for (std::size_t i = 0; i < constraints.normals.size(); ++i) {
-      if (of_plane(constraints.normals[i].vertex)) {
-        return Refuse("normals", i, "the vertex belongs to a plane face");
-      }
-    }
-    for (std::size_t i = 0; i < constraints.shape_handles.size(); ++i) {
-      if (of_plane(constraints.shape_handles[i].vertex)) {
-        return Refuse("shape_handles", i, "the vertex belongs to a plane face");
-      }
-    }
+    LIMN_RETURN_IF_ERROR(
+        CheckList("normals", constraints.normals.size(), "the vertex belongs to a plane face",
+                  [&](std::size_t i) { return !of_plane(constraints.normals[i].vertex); }));
+    LIMN_RETURN_IF_ERROR(CheckList(
+        "shape_handles", constraints.shape_handles.size(), "the vertex belongs to a plane face",
+        [&](std::size_t i) { return !of_plane(constraints.shape_handles[i].vertex); }));
     if (!moved_ || !constraints.interpolate.has_value()) return context_.Check();
-    for (std::size_t i = 0; i < constraints.interpolate->size(); ++i) {
-      const Index v = (*constraints.interpolate)[i];
-      if (points_[v] == task_.points[v] - task_.origin) continue;
-      return Refuse("interpolate.vertices", i,
-                    "the vertex has to move, since a plane face around it is not planar");
-    }
-    return context_.Check();
+    const std::vector<Index>& vertices = *constraints.interpolate;
+    return CheckList("interpolate.vertices", vertices.size(),
+                     "the vertex has to move, since a plane face around it is not planar",
+                     [&](std::size_t i) {
+                       const Index v = vertices[i];
+                       return points_[v] == task_.points[v] - task_.origin;
+                     });
+  }
+
+  // Refuses the first entry that is not well.
+  template <class Well>
+  absl::Status CheckList(std::string_view list, std::size_t size, const char* message,
+                         const Well& well) const {
+    std::size_t flawed = size;
+    LIMN_RETURN_IF_ERROR(ForInOrder(context_, size, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end && flawed == size; ++i) {
+        if (!well(i)) flawed = i;
+      }
+    }));
+    return flawed == size ? absl::OkStatus() : Refuse(list, flawed, message);
   }
 
   absl::Status MakeSurfaceFaces() {
@@ -270,18 +289,22 @@ absl::StatusOr<FeatureSurface> FeatureSurface::Create(const Context& context, Ha
 
 absl::Status FeatureSurface::FollowPlanes(const Context& context, const FeatureTable& table) {
   if (table.plane == plane_) return absl::OkStatus();
+  // Kept only when all of it is there, so that an error leaves what was.
+  std::optional<HalfEdgeMesh> cut;
+  if (!table.plane.empty()) {
+    LIMN_ASSIGN_OR_RETURN(cut, CutAlongPlanes(context, given(), table.plane));
+  }
+  LIMN_ASSIGN_OR_RETURN(BoundaryCurve boundary,
+                        FindBoundary(context, cut.has_value() ? *cut : given()));
+  Buffer<std::uint8_t> plane = table.plane;
   ++cuts_;
   if (given_.has_value()) {
     surface_.mesh = *std::move(given_);
     given_.reset();
   }
-  plane_.clear();
-  if (!table.plane.empty()) {
-    LIMN_ASSIGN_OR_RETURN(HalfEdgeMesh cut, CutAlongPlanes(context, surface_.mesh, table.plane));
-    given_ = std::exchange(surface_.mesh, std::move(cut));
-    plane_ = table.plane;
-  }
-  LIMN_ASSIGN_OR_RETURN(surface_.boundary, FindBoundary(context, surface_.mesh));
+  if (cut.has_value()) given_ = std::exchange(surface_.mesh, *std::move(cut));
+  plane_ = std::move(plane);
+  surface_.boundary = std::move(boundary);
   return absl::OkStatus();
 }
 

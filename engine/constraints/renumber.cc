@@ -65,6 +65,7 @@ class Renumberer {
         [&](Index v, const ShapeHandle& wish) {
           result_.shape_handles.push_back({v, wish.value});
         }));
+    LIMN_RETURN_IF_ERROR(RenumberSurfacePoints());
     for (std::size_t c = 0; c < given_.creases.size(); ++c) {
       LIMN_RETURN_IF_ERROR(RenumberCrease(c));
     }
@@ -108,6 +109,28 @@ class Renumberer {
     for (entry.index = 0; entry.index < list.size(); ++entry.index) {
       const auto& wish = list[entry.index];
       LIMN_RETURN_IF_ERROR(Visit(vertex_of(wish), entry, [&](Index v) { take(v, wish); }));
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status RenumberSurfacePoints() {
+    Entry entry = {"constraints.surface_points", 0, ".vertex"};
+    for (; entry.index < given_.surface_points.size(); ++entry.index) {
+      const SurfaceConstraint& given = given_.surface_points[entry.index];
+      if (given.parameter.has_value() || !given.region.empty()) {
+        entry.after = given.parameter.has_value() ? ".parameter" : ".region";
+        return Refuse(Reason::kInvalidOption, entry, "repair may have turned faces around",
+                      "Send the repaired mesh, or name a vertex and no region");
+      }
+      // Without a vertex there is nothing to renumber: it is refused later.
+      if (!given.vertex.has_value()) {
+        result_.surface_points.push_back(given);
+        continue;
+      }
+      LIMN_RETURN_IF_ERROR(Visit(*given.vertex, entry, [&](Index v) {
+        result_.surface_points.push_back(given);
+        result_.surface_points.back().vertex = v;
+      }));
     }
     return absl::OkStatus();
   }

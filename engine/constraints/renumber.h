@@ -24,14 +24,17 @@ struct RepairOrigin {
 };
 
 // What holds for a vertex or a face holds for all that come from it; of corners that name a vertex
-// again the last one counts. A crease's vertices must not have become several. constraints: as
+// again the last one counts. A crease's vertices must not have become several.
+// Repair may turn faces around, so that constraints at their parameters and regions of faces are
+// refused. constraints: as
 // ValidateConstraints accepts them for the input.
 //
 // Errors, with the field's path and the index in it: INVALID_OPTION for a vertex that repair has
-// left out, for a crease's vertex that it has split, and for feature values of elements;
-// INDEX_OUT_OF_RANGE for creases, corners and holes at vertices and faces that are not there;
-// CANCELLED, DEADLINE_EXCEEDED. Cost: n log n in the vertices and in the constraints; the result
-// names each vertex of the repaired mesh at most once for each kind, but in creases. Thread-safe.
+// left out, for a crease's vertex that it has split, for parameters and regions, and for feature
+// values of elements; INDEX_OUT_OF_RANGE for creases, corners and holes at vertices and faces that
+// are not there; CANCELLED, DEADLINE_EXCEEDED. Cost: n log n in the vertices and in the
+// constraints; the result names each vertex of the repaired mesh at most once for each kind, but in
+// creases. Thread-safe.
 [[nodiscard]] absl::StatusOr<Constraints> RenumberConstraints(const Context& context,
                                                               const Constraints& constraints,
                                                               const RepairOrigin& origin);

@@ -10,7 +10,7 @@
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
 #include "engine/limit/patch_ring.h"
-#include "engine/refine/quad_split.h"
+#include "engine/mesh/quad_split.h"
 
 namespace limn {
 namespace {

@@ -15,8 +15,8 @@
 #include "engine/limit/chord_coarse.h"
 #include "engine/limit/patch_cones.h"
 #include "engine/limit/patch_ring.h"
+#include "engine/mesh/quad_split.h"
 #include "engine/refine/doo_sabin_refine.h"
-#include "engine/refine/quad_split.h"
 
 namespace limn {
 namespace {

@@ -9,10 +9,10 @@
 #include "engine/base/buffer.h"
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
-#include "engine/constraints/perturb.h"
 #include "engine/limit/doo_sabin_limit.h"
 #include "engine/limit/patch_cones.h"
 #include "engine/limit/ring_deviation.h"
+#include "engine/refine/average_normal.h"
 
 namespace limn {
 namespace {

@@ -80,6 +80,11 @@ absl::StatusOr<SurfaceEvaluator> SurfaceEvaluator::Create(const Context& context
   return SurfaceEvaluator(MakePrimalPatches(surface));
 }
 
+absl::StatusOr<SurfaceEvaluator> SurfaceEvaluator::Create(const Context& context,
+                                                          const LimitSurface& surface) {
+  return std::visit([&](const auto& s) { return Create(context, s); }, surface);
+}
+
 absl::Status SurfaceEvaluator::Evaluate(const Context& context,
                                         absl::Span<const SurfaceParameter> parameters,
                                         const SurfaceSamples& samples, std::uint64_t first) const {
@@ -97,22 +102,6 @@ absl::Status SurfaceEvaluator::Evaluate(const Context& context,
   const std::size_t i = wrong.load();
   if (i == parameters.size()) return absl::OkStatus();
   return Refusal(*source_, parameters[i], first + i);
-}
-
-absl::Status EvaluateSurface(const Context& context, const DooSabinSurface& surface,
-                             absl::Span<const SurfaceParameter> parameters,
-                             const SurfaceSamples& samples) {
-  LIMN_ASSIGN_OR_RETURN(const SurfaceEvaluator evaluator,
-                        SurfaceEvaluator::Create(context, surface));
-  return evaluator.Evaluate(context, parameters, samples);
-}
-
-absl::Status EvaluateSurface(const Context& context, const PrimalSurface& surface,
-                             absl::Span<const SurfaceParameter> parameters,
-                             const SurfaceSamples& samples) {
-  LIMN_ASSIGN_OR_RETURN(const SurfaceEvaluator evaluator,
-                        SurfaceEvaluator::Create(context, surface));
-  return evaluator.Evaluate(context, parameters, samples);
 }
 
 }  // namespace limn

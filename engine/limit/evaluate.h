@@ -27,10 +27,13 @@
 // creases not of two or three to the patch's side. There derivatives by u and v grow beyond all
 // bounds or vanish: what is returned are tangents along the sides of the patch; see RingCorner in
 // engine/limit/ring_limit.h. Normals are continuous where engine/limit/vertex_limit.h says so.
+// Where constraints are met by blending (engine/constraints/blend.h) the net that evaluation starts
+// from is finer: all answers differ by rounding, and tangents at extraordinary points by a factor.
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <variant>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -38,20 +41,15 @@
 #include "engine/base/context.h"
 #include "engine/base/vec3.h"
 #include "engine/limit/primal_surface.h"
+#include "engine/limit/surface_parameter.h"
 #include "engine/refine/doo_sabin_surface.h"
 
 namespace limn {
 
 class PatchSource;
 
-// A point of the parameter domain. Both coordinates in [0, 1], denormal numbers too.
-struct SurfaceParameter {
-  Index face = 0;
-  // Of the face, 0 to arity - 1.
-  Index corner = 0;
-  double u = 0;
-  double v = 0;
-};
+// A limit surface of any scheme.
+using LimitSurface = std::variant<DooSabinSurface, PrimalSurface>;
 
 // Where to write: each span has one element per parameter, or none when it is not asked for.
 struct SurfaceSamples {
@@ -73,6 +71,8 @@ class SurfaceEvaluator {
                                                                const DooSabinSurface& surface);
   [[nodiscard]] static absl::StatusOr<SurfaceEvaluator> Create(const Context& context,
                                                                const PrimalSurface& surface);
+  [[nodiscard]] static absl::StatusOr<SurfaceEvaluator> Create(const Context& context,
+                                                               const LimitSurface& surface);
   SurfaceEvaluator(SurfaceEvaluator&&) noexcept;
   SurfaceEvaluator& operator=(SurfaceEvaluator&&) noexcept;
   ~SurfaceEvaluator();
@@ -102,12 +102,14 @@ class SurfaceEvaluator {
   std::unique_ptr<const PatchSource> source_;
 };
 
-// Both at once.
-[[nodiscard]] absl::Status EvaluateSurface(const Context& context, const DooSabinSurface& surface,
+// Both at once, of any of the three.
+template <class Surface>
+[[nodiscard]] absl::Status EvaluateSurface(const Context& context, const Surface& surface,
                                            absl::Span<const SurfaceParameter> parameters,
-                                           const SurfaceSamples& samples);
-[[nodiscard]] absl::Status EvaluateSurface(const Context& context, const PrimalSurface& surface,
-                                           absl::Span<const SurfaceParameter> parameters,
-                                           const SurfaceSamples& samples);
+                                           const SurfaceSamples& samples) {
+  const absl::StatusOr<SurfaceEvaluator> evaluator = SurfaceEvaluator::Create(context, surface);
+  if (!evaluator.ok()) return evaluator.status();
+  return evaluator->Evaluate(context, parameters, samples);
+}
 
 }  // namespace limn

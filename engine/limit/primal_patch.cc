@@ -28,21 +28,15 @@ std::size_t After(std::size_t face, std::size_t i, const VertexRing& ring) {
 PatchSample PrimalPatch::Evaluate(double u, double v) {
   Start(u, v);
   while (!FindSpline()) {
-    const std::size_t at = CornerAt();
+    const std::size_t at = place_.CornerAt();
     // A regular one is in a polynomial after another refinement, as exact as the patch is deep.
     if (at < sides() && !IsRegular(at)) return CornerSample(at);
-    const std::size_t near = CornerNear();
+    const std::size_t near = place_.CornerNear();
     Refine();
+    place_.EnterChild();
     if (near < sides()) {
-      TurnTo(near);
-      u_ *= 2;
-      v_ *= 2;
       EnterChild(near);
     } else {
-      turn_.Compose({1, -1, 1, 0});
-      const double w = std::max(0.0, 2 * (u_ + v_) - 1);
-      v_ = 1 - 2 * u_;
-      u_ = std::min(w, 1 - v_);
       EnterMiddle();
     }
   }
@@ -50,9 +44,7 @@ PatchSample PrimalPatch::Evaluate(double u, double v) {
 }
 
 void PrimalPatch::Start(double u, double v) {
-  u_ = u;
-  v_ = v;
-  turn_ = {};
+  place_ = {.kind = kind_, .u = u, .v = v};
   depth_ = 0;
   work_ = 0;
   magnitude_ = 0;
@@ -82,45 +74,6 @@ bool PrimalPatch::FindSpline() {
     if (!IsRegular(i)) return false;
   }
   return true;
-}
-
-std::size_t PrimalPatch::CornerAt() const {
-  if (v_ == 0 && u_ == 0) return 0;
-  if (v_ == 0 && u_ == 1) return 1;
-  if (kind_ == RingKind::kTriangles) return u_ == 0 && v_ == 1 ? 2 : 3;
-  if (v_ == 1 && u_ == 1) return 2;
-  return u_ == 0 && v_ == 1 ? 3 : 4;
-}
-
-std::size_t PrimalPatch::CornerNear() const {
-  if (kind_ == RingKind::kTriangles) {
-    if (u_ + v_ <= 0.5) return 0;
-    if (u_ >= 0.5) return 1;
-    return v_ >= 0.5 ? 2 : 3;
-  }
-  if (v_ <= 0.5) return u_ <= 0.5 ? 0 : 1;
-  return u_ <= 0.5 ? 3 : 2;
-}
-
-PrimalPatch::Turn PrimalPatch::ToCorner(std::size_t corner) const {
-  constexpr Turn kQuad[4] = {{}, {0, -1, 1, 0}, {-1, 0, 0, -1}, {0, 1, -1, 0}};
-  constexpr Turn kTriangle[3] = {{}, {0, -1, 1, -1}, {-1, 1, -1, 0}};
-  return kind_ == RingKind::kQuads ? kQuad[corner] : kTriangle[corner];
-}
-
-void PrimalPatch::TurnTo(std::size_t corner) {
-  turn_.Compose(ToCorner(corner));
-  const double u = u_;
-  const double v = v_;
-  if (corner == 0) return;
-  if (kind_ == RingKind::kTriangles) {
-    const double w = std::max(0.0, (1 - std::max(u, v)) - std::min(u, v));
-    u_ = corner == 1 ? v : w;
-    v_ = corner == 1 ? w : u;
-    return;
-  }
-  u_ = corner == 1 ? v : (corner == 2 ? 1 - u : 1 - v);
-  v_ = corner == 1 ? 1 - u : (corner == 2 ? 1 - v : u);
 }
 
 void PrimalPatch::Refine() {
@@ -277,7 +230,7 @@ PatchSample PrimalPatch::SplineSample() const {
       at(kRow[i] - x, kColumn[i] + y) = point + regular_[i].edge[3];
       at(kRow[i] - y - x, kColumn[i] - x + y) = point + regular_[i].diagonal[2];
     }
-    jet = EvaluateBicubic(net, u_, v_);
+    jet = EvaluateBicubic(net, place_.u, place_.v);
   } else {
     BoxSplineNet net;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -286,10 +239,10 @@ PatchSample PrimalPatch::SplineSample() const {
         net.around[i][j] = net.corner[i] + regular_[i].edge[j];
       }
     }
-    jet = EvaluateBoxSpline(net, u_, v_);
+    jet = EvaluateBoxSpline(net, place_.u, place_.v);
   }
-  const Vec3 du = turn_.U(jet.du, jet.dv);
-  const Vec3 dv = turn_.V(jet.du, jet.dv);
+  const Vec3 du = place_.turn.U(jet.du, jet.dv);
+  const Vec3 dv = place_.turn.V(jet.du, jet.dv);
   // Rounding errors of the coordinates have grown like the patch itself.
   const double growth = first_size_ > 0 ? LocalSize() / first_size_ : 1;
   return {ToModel(jet.point), du, dv, UnitCross(du, dv, magnitude_ * growth)};
@@ -312,8 +265,8 @@ PatchSample PrimalPatch::CornerSample(std::size_t corner) {
   const int depth = depth_ + static_cast<int>(std::ceil(most));
   const Vec3 first = TimesPowerOfTwo(frame.first, depth);
   const Vec3 second = TimesPowerOfTwo(frame.second, depth);
-  Turn turn = turn_;
-  turn.Compose(ToCorner(corner));
+  PatchTurn turn = place_.turn;
+  turn.Compose(place_.ToCorner(corner));
   return {frame.point, turn.U(first, second), turn.V(first, second), frame.normal};
 }
 

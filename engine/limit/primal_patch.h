@@ -16,6 +16,7 @@
 #include <cstddef>
 
 #include "engine/base/vec3.h"
+#include "engine/limit/patch_place.h"
 #include "engine/limit/patch_sample.h"
 #include "engine/limit/regular_ring.h"
 #include "engine/limit/ring_limit.h"
@@ -46,33 +47,10 @@ class PrimalPatch {
   std::size_t work() const { return work_; }
 
  private:
-  // Derivatives by the given u and v from those by the present ones, scaled as the patch is.
-  struct Turn {
-    double uu = 1;
-    double uv = 0;
-    double vu = 0;
-    double vv = 1;
-    // The present ones become those of `next`, in which u and v of these are what it says.
-    void Compose(const Turn& next) {
-      *this = {uu * next.uu + uv * next.vu, uu * next.uv + uv * next.vv,
-               vu * next.uu + vv * next.vu, vu * next.uv + vv * next.vv};
-    }
-    Vec3 U(const Vec3& du, const Vec3& dv) const { return uu * du + uv * dv; }
-    Vec3 V(const Vec3& du, const Vec3& dv) const { return vu * du + vv * dv; }
-  };
-
-  // Those of the patch turned so that this corner is the first.
-  Turn ToCorner(std::size_t corner) const;
-
   void Start(double u, double v);
   // Fills in regular_, of a corner and of all, if it is so.
   bool IsRegular(std::size_t corner);
   bool FindSpline();
-  // The corner that (u, v) is at, or sides().
-  std::size_t CornerAt() const;
-  // The corner whose child (u, v) is in; 3 for the middle triangle.
-  std::size_t CornerNear() const;
-  void TurnTo(std::size_t corner);
   void Refine();
   void EnterChild(std::size_t corner);
   void EnterMiddle();
@@ -95,9 +73,8 @@ class PrimalPatch {
   std::array<RegularRing, 4> regular_;
   // The corner whose child is entered, or sides() for the middle triangle.
   std::size_t kept_ = 0;
-  double u_ = 0;
-  double v_ = 0;
-  Turn turn_;
+  // Derivatives are scaled as the patch is.
+  PatchPlace place_;
   // Refinements so far: points are relative to origin_ and taken times 2^depth_.
   int depth_ = 0;
   Vec3 origin_;

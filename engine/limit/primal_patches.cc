@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Catmull-Clark and Loop patches for evaluation; engine/limit/primal_patch.h has the method.
+#include <cmath>
+
 #include "engine/limit/gather_ring.h"
 #include "engine/limit/patch_source.h"
 #include "engine/limit/primal_patch.h"
@@ -17,7 +19,8 @@ class PrimalPatches : public PatchSource {
   explicit PrimalPatches(const PrimalSurface& surface)
       : surface_(surface),
         level_({surface.mesh, surface.sharpness}, surface.points),
-        walk_(surface.mesh) {}
+        walk_(surface.mesh),
+        speed_(std::ldexp(1.0, static_cast<int>(surface.depth))) {}
 
   std::size_t face_count() const override { return surface_.face_count(); }
   std::size_t arity(Index face) const override { return surface_.arity(face); }
@@ -29,11 +32,16 @@ class PrimalPatches : public PatchSource {
     PrimalPatch patch(kKind);
     std::size_t work = 0;
     for (std::size_t i = range.first; i < range.second; ++i) {
-      const SurfaceParameter& p = parameters[i];
-      work += Gather(FirstHalfEdge(p), &patch);
-      PatchSample sample = patch.Evaluate(p.u, p.v);
-      sample.point += surface_.origin;
-      WriteSample(sample, i, samples);
+      PatchPlace place;
+      work += Gather(FindPatch(surface_, parameters[i], &place), &patch);
+      const PatchSample sample = patch.Evaluate(place.u, place.v);
+      const Vec3 du = speed_ * sample.du;
+      const Vec3 dv = speed_ * sample.dv;
+      WriteSample({.point = sample.point + surface_.origin,
+                   .du = place.turn.U(du, dv),
+                   .dv = place.turn.V(du, dv),
+                   .normal = sample.normal},
+                  i, samples);
       work += patch.work();
       if (work < kWorkPerCheck) continue;
       work = 0;
@@ -42,12 +50,6 @@ class PrimalPatches : public PatchSource {
   }
 
  private:
-  // Of the patch, that which leaves its first corner.
-  Index FirstHalfEdge(const SurfaceParameter& p) const {
-    if (kKind == RingKind::kTriangles) return 3 * p.face + p.corner;
-    return 4 * (surface_.face_begin[p.face] + p.corner);
-  }
-
   // Returns the number of points of the rings.
   std::size_t Gather(Index h, PrimalPatch* patch) const {
     const auto across = [this](Index leaving) {
@@ -66,6 +68,8 @@ class PrimalPatches : public PatchSource {
   const PrimalSurface& surface_;
   const LevelPoints level_;
   const Walk walk_;
+  // Of a patch of T^0 against those of the mesh.
+  const double speed_;
 };
 
 }  // namespace

@@ -5,9 +5,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
+#include "engine/mesh/quad_split.h"
+#include "engine/mesh/triangle_split.h"
 #include "engine/refine/catmull_clark_refine.h"
-#include "engine/refine/quad_split.h"
-#include "engine/refine/triangle_split.h"
 
 namespace limn {
 
@@ -37,6 +37,28 @@ absl::StatusOr<PrimalSurface> MakeLoopSurface(HalfEdgeMesh mesh, Sharpness sharp
                        .mesh = std::move(mesh),
                        .sharpness = std::move(sharpness),
                        .points = std::move(points)};
+}
+
+Index FindPatch(const PrimalSurface& surface, const SurfaceParameter& parameter,
+                PatchPlace* place) {
+  const bool quads = surface.kind == RingKind::kQuads;
+  const auto sides = static_cast<Index>(quads ? 4 : 3);
+  *place = {.kind = surface.kind, .u = parameter.u, .v = parameter.v};
+  Index h = quads ? 4 * (surface.face_begin[parameter.face] + parameter.corner)
+                  : 3 * parameter.face + parameter.corner;
+  for (std::uint32_t k = 0; k < surface.depth; ++k) {
+    const auto near = static_cast<Index>(place->CornerNear());
+    place->EnterChild();
+    if (near == sides) {
+      // The middle triangle.
+      h = 3 * (4 * (h / 3) + 3) + h % 3;
+      continue;
+    }
+    const Index first = h - h % sides;
+    h = first + (h % sides + near) % sides;
+    h = quads ? 4 * h : 3 * CornerTriangle(h);
+  }
+  return h;
 }
 
 }  // namespace limn

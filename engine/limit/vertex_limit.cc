@@ -10,7 +10,7 @@
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
 #include "engine/limit/gather_ring.h"
-#include "engine/refine/triangle_split.h"
+#include "engine/mesh/triangle_split.h"
 
 namespace limn {
 namespace {

@@ -10,8 +10,8 @@
 #include "engine/constraints/fair.h"
 #include "engine/constraints/perturb.h"
 #include "engine/limit/doo_sabin_limit.h"
+#include "engine/mesh/quad_split.h"
 #include "engine/refine/boundary_curve.h"
-#include "engine/refine/quad_split.h"
 
 namespace limn {
 
@@ -27,6 +27,28 @@ absl::Status DooSabinJob::Start(HalfEdgeMesh mesh) {
   patches_.emplace(
       DooSabinSurface{.mesh = std::move(mesh), .corners = {}, .boundary = std::move(boundary)});
   return absl::OkStatus();
+}
+
+absl::Status DooSabinJob::LimitPoints(absl::Span<const Vec3> control, absl::Span<Vec3> limits) {
+  const HalfEdgeMesh& mesh = patches_->mesh;
+  patches_->corners.resize(mesh.half_edge_count());
+  const absl::Span<Vec3> corners = absl::MakeSpan(patches_->corners);
+  LIMN_RETURN_IF_ERROR(FirstRefinement(context_, mesh, control, corners, rule_));
+  BoundaryCurve curve = patches_->boundary;
+  if (!curve.empty()) {
+    Buffer<Vec3> points(curve.size());
+    for (std::size_t i = 0; i < curve.size(); ++i) {
+      points[i] = control[mesh.vertex()[curve.half_edge[i]]];
+    }
+    Buffer<std::uint8_t> free(curve.size());
+    std::fill(free.begin(), free.end(), std::uint8_t{0});
+    double unused = 0;
+    LIMN_RETURN_IF_ERROR(PlaceBoundary(
+        context_, {.mesh = mesh, .points = points, .control = points, .interpolated = free}, &curve,
+        &unused));
+  }
+  return DooSabinLimit(context_, {.mesh = mesh, .fans = fans_, .k = 1, .boundary = &curve}, corners,
+                       {.points = limits, .normals = {}, .vertices_only = true});
 }
 
 absl::Status DooSabinJob::FindControlMesh() {

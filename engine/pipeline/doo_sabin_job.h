@@ -19,6 +19,7 @@ class DooSabinJob : public SchemeJob {
   explicit DooSabinJob(JobFrame* frame);
 
   absl::Status Start(HalfEdgeMesh mesh) override;
+  absl::Status LimitPoints(absl::Span<const Vec3> control, absl::Span<Vec3> limits) override;
   absl::Status FindControlMesh() override;
   const BoundaryControl& boundary_control() const override { return boundary_control_; }
   absl::Status StartSurface() override;

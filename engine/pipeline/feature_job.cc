@@ -12,10 +12,11 @@
 
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
+#include "engine/constraints/constraints.h"
 #include "engine/constraints/features.h"
-#include "engine/constraints/perturb.h"
+#include "engine/mesh/quad_split.h"
 #include "engine/pipeline/doo_sabin_job.h"
-#include "engine/refine/quad_split.h"
+#include "engine/refine/average_normal.h"
 
 namespace limn {
 namespace {
@@ -98,6 +99,7 @@ class FeatureJob : public DooSabinJob {
   using DooSabinJob::DooSabinJob;
 
   absl::Status Start(HalfEdgeMesh mesh) override {
+    LIMN_RETURN_IF_ERROR(ValidateDooSabinNormals(context_, frame_.options.constraints, mesh));
     LIMN_ASSIGN_OR_RETURN(FeatureSurface feature,
                           FeatureSurface::Create(context_, std::move(mesh)));
     feature_.emplace(std::move(feature));
@@ -121,7 +123,7 @@ class FeatureJob : public DooSabinJob {
     }));
     given_ = std::move(*feature_).TakeGiven();
     patches_ = std::move(*feature_).TakeSurface();
-    if (given_.has_value() && frame_.options.normals) FindPlaneNormals();
+    if (given_.has_value() && frame_.options.normals) LIMN_RETURN_IF_ERROR(FindPlaneNormals());
     feature_.reset();
     KeepPatches();
     return absl::OkStatus();
@@ -138,7 +140,7 @@ class FeatureJob : public DooSabinJob {
     LIMN_RETURN_IF_ERROR(DooSabinJob::Tessellate());
     if (!given_.has_value()) return absl::OkStatus();
     Tessellation& surface = frame_.result.surface;
-    SetPlaneNormals(&surface);
+    LIMN_RETURN_IF_ERROR(SetPlaneNormals(&surface));
     Tessellation joined = {.level = surface.level};
     const bool vertices_only = level_ == 0;
     LIMN_RETURN_IF_ERROR(
@@ -156,36 +158,47 @@ class FeatureJob : public DooSabinJob {
     Vec3 normal;
   };
 
-  void FindPlaneNormals() {
+  absl::Status FindPlaneNormals() {
+    const HalfEdgeMesh& cut = patches_->mesh;
+    std::size_t corners = 0;
+    LIMN_RETURN_IF_ERROR(
+        ForInOrder(context_, cut.face_count(), [&](std::size_t begin, std::size_t end) {
+          for (std::size_t f = begin; f < end; ++f) {
+            if (IsPlane(f)) corners += cut.face_begin()[f + 1] - cut.face_begin()[f];
+          }
+        }));
+    plane_corners_.reserve(corners);
+    return ForInOrder(context_, cut.face_count(), [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f) {
+        if (IsPlane(f)) FindPlaneNormal(f);
+      }
+    });
+  }
+
+  bool IsPlane(std::size_t f) const { return feature_->IsPlane(static_cast<Index>(f)); }
+
+  void FindPlaneNormal(std::size_t f) {
     const HalfEdgeMesh& cut = patches_->mesh;
     const BoundaryCurve& curve = patches_->boundary;
-    std::size_t corners = 0;
-    for (Index f = 0; f < cut.face_count(); ++f) {
-      if (feature_->IsPlane(f)) corners += cut.face_begin()[f + 1] - cut.face_begin()[f];
-    }
-    plane_corners_.reserve(corners);
-    for (Index f = 0; f < cut.face_count(); ++f) {
-      if (!feature_->IsPlane(f)) continue;
-      const Index first = cut.face_begin()[f];
-      const std::size_t m = cut.face_begin()[f + 1] - first;
-      const auto point = [&](std::size_t j) {
-        return curve.centre[curve.Find(first + static_cast<Index>(j))] - curve.origin;
-      };
-      Vec3 sum = {0, 0, 0};
-      for (std::size_t j = 0; j < m; ++j) sum += point(j);
-      const Vec3 normal = AverageNormal(m, (1.0 / static_cast<double>(m)) * sum, point);
-      for (std::size_t j = 0; j < m; ++j) {
-        plane_corners_.push_back({cut.vertex()[first + j], normal});
-      }
-    }
+    const Index first = cut.face_begin()[f];
+    const std::size_t m = cut.face_begin()[f + 1] - first;
+    const auto point = [&](std::size_t j) {
+      return curve.centre[curve.Find(first + static_cast<Index>(j))] - curve.origin;
+    };
+    Vec3 sum = {0, 0, 0};
+    for (std::size_t j = 0; j < m; ++j) sum += point(j);
+    const Vec3 normal = AverageNormal(m, (1.0 / static_cast<double>(m)) * sum, point);
+    for (std::size_t j = 0; j < m; ++j) plane_corners_.push_back({cut.vertex()[first + j], normal});
   }
 
   // Also where a plane region's parameters meet at a straight angle, which shows none.
-  void SetPlaneNormals(Tessellation* surface) const {
-    if (surface->normals.empty()) return;
-    for (const PlaneCorner& corner : plane_corners_) {
-      surface->normals[corner.vertex] = corner.normal;
-    }
+  absl::Status SetPlaneNormals(Tessellation* surface) const {
+    if (surface->normals.empty()) return absl::OkStatus();
+    return ParallelFor(context_, plane_corners_.size(), [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        surface->normals[plane_corners_[i].vertex] = plane_corners_[i].normal;
+      }
+    });
   }
 
   std::optional<FeatureSurface> feature_;

@@ -71,6 +71,9 @@ class SchemeJob {
 
   // Takes T^0. In the stage "build".
   virtual absl::Status Start(HalfEdgeMesh mesh) = 0;
+  // The surface's points at the vertices, for these control points; both one per vertex, relative
+  // to one origin. After Start, and before anything else.
+  virtual absl::Status LimitPoints(absl::Span<const Vec3> control, absl::Span<Vec3> limits) = 0;
   // Sets result.control_positions, relative to the origin, and what the result tells of the solve.
   // In the stage "solve".
   virtual absl::Status FindControlMesh() = 0;

@@ -29,6 +29,9 @@ absl::Status CheckDooSabin(const InterpolateOptions& options) {
   if (!constraints.creases.empty()) return OnlyForOthers("constraints.creases", "creases");
   if (!constraints.corners.empty()) return OnlyForOthers("constraints.corners", "sharp corners");
   if (!constraints.holes.empty()) return OnlyForOthers("constraints.holes", "holes");
+  if (!constraints.surface_points.empty()) {
+    return OnlyForOthers("constraints.surface_points", "constraints anywhere on the surface");
+  }
   if (options.boundary.has_value()) return OnlyForOthers("surface.boundary", "boundary rules");
   if (options.rule == FirstRule::kBilinear) {
     return Refuse(Reason::kInvalidOption, "solve.rule",
@@ -74,21 +77,11 @@ absl::Status CheckPrimal(const InterpolateOptions& options) {
                   "shape handles belong to Doo-Sabin surfaces",
                   "Leave them out or choose Doo-Sabin");
   }
-  if (!constraints.normals.empty()) {
-    return Refuse(Reason::kUnimplemented, "constraints.normals",
-                  "normals of Catmull-Clark and Loop surfaces are not implemented yet",
-                  "Leave them out or choose Doo-Sabin");
-  }
   if (options.fair) {
     return Refuse(Reason::kInvalidOption, "solve.fair", "fairing belongs to Doo-Sabin surfaces",
                   "Leave it out or choose Doo-Sabin");
   }
   if (options.chord_tolerance.has_value()) return NoChordBound();
-  if (options.keep_patches) {
-    return Refuse(Reason::kUnimplemented, "scheme",
-                  "evaluation of Catmull-Clark and Loop surfaces is not implemented yet",
-                  "Choose Doo-Sabin");
-  }
   if (options.rule == FirstRule::kModified) {
     return Refuse(Reason::kInvalidOption, "solve.rule", "the modified rule belongs to Doo-Sabin",
                   "Choose the standard rule or none");

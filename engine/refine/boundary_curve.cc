@@ -177,7 +177,7 @@ absl::StatusOr<BoundaryCurve> RefineBoundary(const Context& context, const HalfE
       const Index first = static_cast<Index>(2 * i);
       const Index second = first + 1;
       const Index h = curve.half_edge[i];
-      // The quads of the half-edge's two corners; see engine/refine/quad_split.h.
+      // The quads of the half-edge's two corners; see engine/mesh/quad_split.h.
       refined.half_edge[first] = 4 * h;
       refined.half_edge[second] = 4 * WithWalk(mesh, [&](auto walk) { return walk.Next(h); }) + 3;
       refined.next[first] = second;

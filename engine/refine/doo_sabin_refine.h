@@ -2,7 +2,7 @@
 // Doo-Sabin refinement of points. Sources: Doo and Sabin 1978; Zheng and Cai 2005, Eqs. 1 and 4.
 //
 // A Doo-Sabin mesh M^k, k >= 1, is held by its dual: the quad split T^(k-1) -> T^k of the input's
-// connectivity T^0 (engine/refine/quad_split.h). M^k has one vertex per corner of T^(k-1), so its
+// connectivity T^0 (engine/mesh/quad_split.h). M^k has one vertex per corner of T^(k-1), so its
 // points are an array along those corners, and three types of faces:
 //   type F: the corners of a face of T^(k-1), in order;
 //   type E: of an edge with half-edges h and t = twin(h), counter-clockwise: next h, h, next t, t;

@@ -3,9 +3,9 @@
 
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
+#include "engine/mesh/triangle_split.h"
 #include "engine/refine/harmonics.h"
 #include "engine/refine/refine_vertices.h"
-#include "engine/refine/triangle_split.h"
 
 namespace limn {
 namespace {

@@ -11,7 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
-#include "engine/refine/triangle_split.h"
+#include "engine/mesh/triangle_split.h"
 
 namespace limn {
 namespace {

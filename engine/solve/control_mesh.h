@@ -13,9 +13,9 @@
 #include "engine/constraints/vertex_plan.h"
 #include "engine/mesh/half_edge_mesh.h"
 #include "engine/refine/boundary_curve.h"
-#include "engine/scheme/limit_stencil.h"
 #include "engine/solve/curve_solve.h"
 #include "engine/solve/solve.h"
+#include "engine/stencil/limit_stencil.h"
 
 namespace limn {
 

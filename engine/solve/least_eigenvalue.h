@@ -10,7 +10,7 @@
 
 #include "absl/status/statusor.h"
 #include "engine/base/context.h"
-#include "engine/scheme/limit_operator.h"
+#include "engine/stencil/limit_operator.h"
 
 namespace limn {
 

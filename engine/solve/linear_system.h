@@ -15,7 +15,7 @@
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
 #include "engine/base/vec3.h"
-#include "engine/scheme/limit_operator.h"
+#include "engine/stencil/limit_operator.h"
 
 namespace limn {
 

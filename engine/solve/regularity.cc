@@ -7,9 +7,9 @@
 #include "engine/base/buffer.h"
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
-#include "engine/scheme/limit_operator.h"
 #include "engine/solve/least_eigenvalue.h"
 #include "engine/solve/solve.h"
+#include "engine/stencil/limit_operator.h"
 
 namespace limn {
 namespace {

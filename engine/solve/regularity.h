@@ -11,8 +11,8 @@
 #include "absl/status/statusor.h"
 #include "engine/base/context.h"
 #include "engine/constraints/vertex_plan.h"
-#include "engine/scheme/limit_stencil.h"
 #include "engine/scheme/sharpness.h"
+#include "engine/stencil/limit_stencil.h"
 
 namespace limn {
 

@@ -9,10 +9,10 @@
 #include "engine/base/buffer.h"
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
-#include "engine/scheme/limit_operator.h"
 #include "engine/solve/conjugate_gradient.h"
 #include "engine/solve/gauss_seidel.h"
 #include "engine/solve/linear_system.h"
+#include "engine/stencil/limit_operator.h"
 
 namespace limn {
 namespace {

@@ -13,7 +13,7 @@
 #include "engine/base/context.h"
 #include "engine/base/vec3.h"
 #include "engine/mesh/half_edge_mesh.h"
-#include "engine/scheme/limit_stencil.h"
+#include "engine/stencil/limit_stencil.h"
 
 namespace limn {
 

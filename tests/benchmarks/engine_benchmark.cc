@@ -21,11 +21,11 @@
 #include "engine/limit/doo_sabin_limit.h"
 #include "engine/mesh/generate.h"
 #include "engine/mesh/half_edge_mesh.h"
+#include "engine/mesh/quad_split.h"
 #include "engine/mesh/validate.h"
 #include "engine/refine/doo_sabin_refine.h"
-#include "engine/refine/quad_split.h"
-#include "engine/scheme/limit_operator.h"
 #include "engine/solve/solve.h"
+#include "engine/stencil/limit_operator.h"
 
 namespace limn {
 namespace {
@@ -165,6 +165,17 @@ void BM_QuadSplit(benchmark::State& state) {
   });
 }
 
+// The perturbed first refined mesh from the control mesh: points and connectivity.
+void BM_PerturbedFirstMesh(benchmark::State& state) {
+  Measure(state, [](Input& input) {
+    OrDie(FirstRefinement(input.context, input.mesh, input.control, absl::MakeSpan(input.first)));
+    OrDie(PerturbToInterpolate(input.context, {input.mesh, input.given.positions},
+                               absl::MakeSpan(input.first)));
+    const auto split = SplitIntoQuads(input.context, input.mesh);
+    benchmark::DoNotOptimize(split->twin().data());
+  });
+}
+
 // M^1 to M^2 into memory that is there already.
 void BM_Refine(benchmark::State& state) {
   Measure(
@@ -230,6 +241,7 @@ void Register() {
       {"FirstRefinement", BM_FirstRefinement},
       {"Perturb", BM_Perturb},
       {"QuadSplit", BM_QuadSplit},
+      {"PerturbedFirstMesh", BM_PerturbedFirstMesh},
       {"Refine", BM_Refine},
       {"Limit", BM_Limit},
       {"FeatureValues", BM_FeatureValues},

@@ -54,9 +54,9 @@ std::unique_ptr<Scene> MakeScene(Family family, MeshKind kind, std::uint64_t ver
   auto scene = std::make_unique<Scene>();
   scene->given = OrDie(GenerateMesh({.kind = kind, .vertices = vertices}));
   if (family == Family::kDooSabin) {
-    scene->doo_sabin =
+    scene->doo_sabin = std::get<DooSabinSurface>(
         *OrDie(Interpolate(Context(), scene->given, {.surface = false, .keep_patches = true}))
-             .patches;
+             .patches);
     return scene;
   }
   if (family == Family::kLoop) scene->given = oracle::Triangulated(scene->given);

@@ -22,8 +22,8 @@
 #include "engine/mesh/generate.h"
 #include "engine/mesh/validate.h"
 #include "engine/refine/doo_sabin_refine.h"
-#include "engine/scheme/limit_stencil.h"
 #include "engine/solve/solve.h"
+#include "engine/stencil/limit_stencil.h"
 
 namespace limn {
 namespace {

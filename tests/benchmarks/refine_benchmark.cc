@@ -21,10 +21,10 @@
 #include "engine/limit/vertex_limit.h"
 #include "engine/mesh/generate.h"
 #include "engine/mesh/half_edge_mesh.h"
+#include "engine/mesh/quad_split.h"
+#include "engine/mesh/triangle_split.h"
 #include "engine/refine/catmull_clark_refine.h"
 #include "engine/refine/loop_refine.h"
-#include "engine/refine/quad_split.h"
-#include "engine/refine/triangle_split.h"
 #include "tests/oracle/test_meshes.h"
 
 namespace limn {

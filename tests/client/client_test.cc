@@ -75,14 +75,15 @@ TEST(ClientTest, OptionsOutOfRangeAreRefused) {
 TEST(ClientTest, AnErrorOfTheServerKeepsItsDetail) {
   const std::unique_ptr<Server> server = StartServer();
   v1::InterpolateHeader header = MakeHeader();
-  header.mutable_constraints()->add_surface_points();
+  header.mutable_surface()->set_chord_tolerance(0.1);
+  header.set_scheme(v1::SCHEME_LOOP);
   // Large, so that the upload is still going on when the refusal comes.
   const absl::StatusOr<JobResult> result =
       Client(server->InProcessChannel()).Run(header, MakeSphere(100'000));
   const std::optional<ErrorDetail> detail = GetErrorDetail(result.status());
   ASSERT_TRUE(detail.has_value());
   EXPECT_EQ(detail->reason, Reason::kUnimplemented);
-  EXPECT_EQ(detail->field, "constraints.surface_points");
+  EXPECT_EQ(detail->field, "surface.chord_tolerance");
 }
 
 TEST(ClientTest, ProgressThatReturnsFalseCancels) {

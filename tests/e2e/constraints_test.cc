@@ -3,7 +3,9 @@
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -197,9 +199,8 @@ std::vector<BadFile> BadFiles() {
        "constraints.shape_handles[0].value: inf is not"},
       {"CreasesOfDooSabin", R"({"creases": [{"vertices": [1, 2], "sharpness": [1]}]})",
        "constraints.creases: creases belong to Catmull-Clark and Loop surfaces"},
-      {"NotBuilt", R"({"surfacePoints": [{}]})",
-       "constraints.surface_points: constraints at points of the surface are not implemented yet",
-       3},
+      {"SurfacePointsOfDooSabin", R"({"surfacePoints": [{"vertex": 3, "normal": {"x": 1}}]})",
+       "constraints.surface_points: constraints anywhere on the surface belong to Catmull-Clark"},
       {"FeatureFace", R"({"features": {"faces": [{"face": 9999}]}})",
        "constraints.features.faces[0].face: there is no face 9999"},
       {"FeatureValue", R"({"features": {"defaultEdge": 1.5}})",
@@ -238,6 +239,74 @@ TEST_F(ConstraintsE2e, CreasesCornersAndHolesReachCatmullClark) {
                                      "--strict", "-o", At("bad.obj")});
   EXPECT_EQ(bad.status, 1);
   EXPECT_NE(bad.errors.find("--strict"), std::string::npos) << bad.errors;
+}
+
+// The point is checked by evaluation in another run, from the same files.
+TEST_F(ConstraintsE2e, PointsAndNormalsOnTheSurfaceAreMet) {
+  for (const std::string scheme : {"catmull-clark", "loop"}) {
+    const std::string kind = scheme == "loop" ? "torus" : "irregular_sphere";
+    ASSERT_EQ(space_.Limn({"generate", kind, "--vertices", "400", "-o", At("t.stl")}).status, 0);
+    // STL is made of triangles.
+    const std::string input = scheme == "loop" ? At("t.stl") : At("given.obj");
+    WriteAll(At("p.json"),
+             R"({"surfacePoints": [
+                  {"parameter": {"face": 2, "corner": 1, "u": 0.4, "v": 0.5},
+                   "point": {"x": 0.25, "y": 0.5, "z": 0.125}, "normal": {"x": 1, "z": 2}},
+                  {"vertex": 200, "normal": {"y": 3}}]})");
+    WriteAll(At("at.txt"), "2 1 0.4 0.5\n");
+    const RunResult run = space_.Limn({"interpolate", input, "--scheme", scheme, "--constraints",
+                                       At("p.json"), "-o", At("s.obj"), "--report", At("r.json")});
+    ASSERT_EQ(run.status, 0) << run.errors;
+    EXPECT_NE(run.output.find("met on the surface"), std::string::npos) << run.output;
+    const v1::Summary summary = Report();
+    EXPECT_EQ(summary.blend().constraints(), 2U);
+    EXPECT_GT(summary.blend().moved_points(), 0U);
+    EXPECT_LE(summary.blend().max_point_error(), 1e-10);
+    EXPECT_LE(summary.blend().max_normal_deviation(), 1e-10);
+    EXPECT_LE(summary.certificate().max_error(), 1e-10);
+    EXPECT_NEAR(std::fabs(ReadObj(At("s.obj")).normals[200][1]), 1, 1e-6);
+    const RunResult at = space_.Limn({"evaluate", input, "--scheme", scheme, "--constraints",
+                                      At("p.json"), "--at", At("at.txt"), "--format", "csv"});
+    ASSERT_EQ(at.status, 0) << at.errors;
+    double numbers[10] = {};
+    const std::string line = at.output.substr(at.output.find('\n') + 1);
+    ASSERT_EQ(std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf", numbers,
+                          numbers + 1, numbers + 2, numbers + 3, numbers + 4, numbers + 5,
+                          numbers + 6, numbers + 7, numbers + 8, numbers + 9),
+              10)
+        << at.output;
+    EXPECT_NEAR(numbers[4], 0.25, 1e-10);
+    EXPECT_NEAR(numbers[5], 0.5, 1e-10);
+    EXPECT_NEAR(numbers[6], 0.125, 1e-10);
+    EXPECT_NEAR(std::fabs(numbers[9] / numbers[7]), 2, 1e-9);
+  }
+}
+
+TEST_F(ConstraintsE2e, AFilterSmoothsTheMesh) {
+  const RunResult same = space_.Limn({"filter", At("given.obj"), "--gains", "1,1", "--rest", "1",
+                                      "--control-mesh", At("same.obj")});
+  ASSERT_EQ(same.status, 0) << same.errors;
+  const RunResult smooth =
+      space_.Limn({"filter", At("given.obj"), "--gains", "1", "--scheme", "catmull-clark",
+                   "--control-mesh", At("smooth.obj"), "-o", At("s.obj"), "--level", "1"});
+  ASSERT_EQ(smooth.status, 0) << smooth.errors;
+  const ObjFile given = ReadObj(At("given.obj"));
+  const ObjFile kept = ReadObj(At("same.obj"));
+  const ObjFile smoothed = ReadObj(At("smooth.obj"));
+  double moved = 0;
+  for (std::size_t v = 0; v < given.positions.size(); ++v) {
+    EXPECT_LE(Distance(given.positions[v], kept.positions[v]), 1e-14 * Diagonal(given));
+    moved = std::max(moved, Distance(given.positions[v], smoothed.positions[v]));
+  }
+  EXPECT_GT(moved, 1e-3 * Diagonal(given));
+  EXPECT_GT(ReadObj(At("s.obj")).positions.size(), given.positions.size());
+  const RunResult none = space_.Limn({"filter", At("given.obj"), "-o", At("s.obj")});
+  EXPECT_EQ(none.status, 2);
+  EXPECT_NE(none.errors.find("--gains"), std::string::npos) << none.errors;
+  const RunResult subset = space_.Limn({"filter", At("given.obj"), "--gains", "1", "--constraints",
+                                        At("c.json"), "-o", At("s.obj")});
+  EXPECT_EQ(subset.status, 1);
+  EXPECT_NE(subset.errors.find("constraints.interpolate"), std::string::npos) << subset.errors;
 }
 
 TEST_F(ConstraintsE2e, AChordToleranceChoosesTheLevelAndSaysWhatIsGuaranteed) {

@@ -53,7 +53,7 @@ TEST_P(MessageE2e, IsThisOne) {
 }
 
 std::vector<Mistake> Mistakes() {
-  const std::string commands = "interpolate, features, evaluate, generate, info";
+  const std::string commands = "interpolate, filter, features, evaluate, generate, info";
   const std::string in = "@/in.obj";
   const std::string see = "; see 'limn interpolate --help'";
   const std::string otherwise =
@@ -172,7 +172,7 @@ class ServerMessageE2e : public testing::Test {
   std::string Says(const std::vector<std::string>& flags, int status) {
     std::vector<std::string> command = {LIMND_BINARY};
     command.insert(command.end(), flags.begin(), flags.end());
-    Process process(command, space_.log("limnd"));
+    Process process(command, space_.log("limnd-refused"));
     EXPECT_EQ(process.Wait(20), status);
     EXPECT_EQ(process.Output(), "");
     return process.ErrorText();

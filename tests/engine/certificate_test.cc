@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Distances between a surface and its targets.
-#include "engine/limit/certificate.h"
+#include "engine/constraints/certificate.h"
 
 #include <gtest/gtest.h>
 

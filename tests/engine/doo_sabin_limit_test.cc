@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "engine/refine/quad_split.h"
+#include "engine/mesh/quad_split.h"
 #include "tests/oracle/doo_sabin.h"
 #include "tests/oracle/expect.h"
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "engine/mesh/generate.h"
+#include "engine/mesh/quad_split.h"
 #include "engine/refine/harmonics.h"
-#include "engine/refine/quad_split.h"
 #include "tests/oracle/doo_sabin.h"
 #include "tests/oracle/expect.h"
 

@@ -259,6 +259,45 @@ TEST_P(EvaluatePrimalTest, DenormalParametersHaveTheirVerticesPoint) {
   }
 }
 
+// The same parameters of the same surface, held by finer nets.
+TEST_P(EvaluatePrimalTest, TheDepthOfTheNetDoesNotMatter) {
+  std::mt19937_64 random(78);
+  for (const Creases& creases : Variants()) {
+    const PrimalSurface coarse = oracle::PrimalSurfaceOf(given_, rule(), creases);
+    std::vector<SurfaceParameter> parameters;
+    for (int i = 0; i < 60; ++i) {
+      const auto [u, v] = Inside(random);
+      parameters.push_back(At(random, u, v));
+    }
+    for (const auto& [u, v] : {std::pair(0.3, 0.0), {0.0, 0.7}, {0.5, 0.2}, {0.25, 0.75}}) {
+      parameters.push_back(At(random, u, v));
+    }
+    const Samples expected = Evaluated(coarse, parameters);
+    oracle::CreasedLevel level(given_, rule(), creases);
+    for (std::uint32_t depth = 0; depth <= 3; ++depth) {
+      if (!Loop() || depth > 0) level.Refine();
+      const PrimalSurface fine = {.kind = coarse.kind,
+                                  .mesh = level.mesh,
+                                  .sharpness = level.sharpness,
+                                  .points = level.points,
+                                  .face_begin = coarse.face_begin,
+                                  .depth = depth};
+      EXPECT_EQ(fine.face_count(), coarse.face_count());
+      const Samples samples = Evaluated(fine, parameters);
+      for (std::size_t i = 0; i < parameters.size(); ++i) {
+        const SurfaceParameter& p = parameters[i];
+        SCOPED_TRACE(testing::Message() << "depth " << depth << " face " << p.face << " corner "
+                                        << p.corner << " at " << p.u << " " << p.v);
+        const double size = std::max(Norm(expected.du[i]), Norm(expected.dv[i]));
+        ASSERT_LE(Norm(samples.points[i] - expected.points[i]), 1e-14 * diagonal_);
+        ASSERT_LE(Norm(samples.du[i] - expected.du[i]), 1e-9 * size);
+        ASSERT_LE(Norm(samples.dv[i] - expected.dv[i]), 1e-9 * size);
+        ASSERT_LE(Norm(samples.normals[i] - expected.normals[i]), 1e-8);
+      }
+    }
+  }
+}
+
 std::vector<std::string> Names() {
   return {"cube",          "prism_3",        "prism_7_jittered_seed_4",
           "pillow_3",      "valence_two",    "smallest_torus",

@@ -13,8 +13,8 @@
 #include "engine/constraints/feature_planes.h"
 #include "engine/constraints/features.h"
 #include "engine/interpolate.h"
+#include "engine/mesh/quad_split.h"
 #include "engine/refine/doo_sabin_refine.h"
-#include "engine/refine/quad_split.h"
 #include "tests/engine/feature_planes_testing.h"
 #include "tests/oracle/expect.h"
 #include "tests/oracle/features.h"
@@ -58,7 +58,7 @@ TEST(PlaneFaces, CornersAreThePapers) {
   const PolygonMesh cube = oracle::Cube();
   const FeatureValues values = Planes({0, 2}, 0.3);
   const InterpolateResult result = Made(cube, values, 1);
-  const DooSabinSurface& surface = *result.patches;
+  const DooSabinSurface& surface = std::get<DooSabinSurface>(*result.patches);
   const HalfEdgeMesh built = oracle::BuildOrDie(cube);
   const PolygonWalk walk(built);
   const oracle::Points images = oracle::AllFeatureImages(oracle::FromPolygonMesh(cube), values);
@@ -93,7 +93,7 @@ TEST(PlaneFaces, CornersAreThePapers) {
 TEST(PlaneFaces, GhostsOfSharpVerticesRefineIntoGhosts) {
   for (const int sides : {6, 8, 13}) {
     const InterpolateResult result = Made(Cone(sides), Planes({1, 4}, 0.35), 0);
-    const DooSabinSurface& surface = *result.patches;
+    const DooSabinSurface& surface = std::get<DooSabinSurface>(*result.patches);
     const Context context;
     LIMN_ASSERT_OK_AND_ASSIGN(const ExtraordinaryFans fans,
                               FindExtraordinaryFans(context, surface.mesh));
@@ -199,7 +199,9 @@ TEST(PlaneFaces, WhatHasNoPlaneIsRefused) {
     line.positions[face[i]] = {static_cast<double>(i), 2 * static_cast<double>(i), 0};
   }
   oracle::ExpectError(Refusal(line, Planes({3})),
-                      {Reason::kInvalidOption, "constraints.features", 3});
+                      {Reason::kInvalidOption, "constraints.features.faces"});
+  EXPECT_NE(Refusal(line, Planes({3})).message().find("face 3 has no plane"),
+            std::string_view::npos);
   // Four planes in general position around the tip.
   PolygonMesh cone = Cone(6);
   std::vector<Index> all;
@@ -210,6 +212,8 @@ TEST(PlaneFaces, WhatHasNoPlaneIsRefused) {
   const absl::Status status = Refusal(bent, {.default_face = FaceKind::kPlane});
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_NE(status.message().find("far from planar"), std::string_view::npos) << status;
+  EXPECT_NE(status.message().find("around vertex"), std::string_view::npos) << status;
+  oracle::ExpectError(status, {Reason::kInvalidOption, "constraints.features.faces"});
 }
 
 TEST(PlaneFaces, InterpolatedVerticesAreCorners) {
@@ -257,7 +261,7 @@ TEST(PlaneFaces, FeetStayOnTheirEdgeAndInOrder) {
   for (const Index v : top) prism.positions[v].x += 9;
   const FeatureValues values = Planes({0}, 0.9);
   const InterpolateResult result = Made(prism, values, 0);
-  const BoundaryCurve& curve = result.patches->boundary;
+  const BoundaryCurve& curve = std::get<DooSabinSurface>(*result.patches).boundary;
   const HalfEdgeMesh built = oracle::BuildOrDie(prism);
   std::size_t at_an_end = 0;
   for (std::size_t i = 0; i < curve.size(); ++i) {
@@ -273,6 +277,23 @@ TEST(PlaneFaces, FeetStayOnTheirEdgeAndInOrder) {
     if (t - s < 1e-12) ++at_an_end;
   }
   EXPECT_GT(at_an_end, 0U);
+}
+
+// A power of two changes no digit of the feet, only whether squares of lengths are numbers.
+TEST(PlaneFaces, FeetOfTinyAndHugeModelsAreTheSame) {
+  PolygonMesh cube = oracle::Cube();
+  const FeatureValues values = Planes({0}, 0.3);
+  const InterpolateResult usual = Made(cube, values, 0);
+  const BoundaryCurve& expected = std::get<DooSabinSurface>(*usual.patches).boundary;
+  for (const double factor : {0x1p-600, 0x1p+320}) {
+    const InterpolateResult result = Made(oracle::Moved(cube, factor, {0, 0, 0}), values, 0);
+    const BoundaryCurve& curve = std::get<DooSabinSurface>(*result.patches).boundary;
+    ASSERT_EQ(curve.size(), expected.size());
+    for (std::size_t i = 0; i < curve.size(); ++i) {
+      EXPECT_LE(MaxAbs((1 / factor) * curve.start[i] - expected.start[i]), 1e-15) << factor;
+      EXPECT_LE(MaxAbs((1 / factor) * curve.end[i] - expected.end[i]), 1e-15) << factor;
+    }
+  }
 }
 
 }  // namespace

@@ -176,9 +176,9 @@ TEST_P(PlaneFaceTest, RegionsAreBoundedByTheBSplineOfTheFeet) {
       }
     }
     std::vector<Vec3> points(parameters.size());
-    ASSERT_TRUE(
-        EvaluateSurface(Context{}, *result.patches, parameters, {.points = absl::MakeSpan(points)})
-            .ok());
+    ASSERT_TRUE(EvaluateSurface(Context{}, std::get<DooSabinSurface>(*result.patches), parameters,
+                                {.points = absl::MakeSpan(points)})
+                    .ok());
     for (std::size_t i = 0; i < points.size(); ++i) {
       ASSERT_LE(MaxAbs(points[i] - expected[i]), 1e-13)
           << f << " " << parameters[i].corner << " " << parameters[i].u;
@@ -200,9 +200,12 @@ TEST_P(PlaneFaceTest, TheTessellationIsTheSurfaceInOnePiece) {
     ASSERT_EQ(result.surface.face_begin, usual.surface.face_begin);
     if (level == 0) continue;
     // The usual surface says which vertices are where.
-    const oracle::DeepSurface places = oracle::Refined(*usual.patches, level);
-    const oracle::GridParameters grid = oracle::AllOf(*usual.patches, places);
-    const oracle::Samples samples = oracle::Evaluated(*result.patches, grid.parameters);
+    const oracle::DeepSurface places =
+        oracle::Refined(std::get<DooSabinSurface>(*usual.patches), level);
+    const oracle::GridParameters grid =
+        oracle::AllOf(std::get<DooSabinSurface>(*usual.patches), places);
+    const oracle::Samples samples =
+        oracle::Evaluated(std::get<DooSabinSurface>(*result.patches), grid.parameters);
     for (std::size_t i = 0; i < grid.vertices.size(); ++i) {
       ASSERT_LE(MaxAbs(result.surface.positions[grid.vertices[i]] - samples.points[i]), 1e-14)
           << "level " << level << ", face " << grid.parameters[i].face;
@@ -215,9 +218,11 @@ TEST_P(PlaneFaceTest, NormalsAreThoseOfTheSidesOrTheirMean) {
   const InterpolateResult result = Made(mesh_, Planes(planes_), 2);
   LIMN_ASSERT_OK_AND_ASSIGN(const InterpolateResult usual,
                             Interpolate(Context{}, mesh_, {.level = 2, .keep_patches = true}));
-  const oracle::DeepSurface places = oracle::Refined(*usual.patches, 2);
-  const oracle::GridParameters grid = oracle::AllOf(*usual.patches, places);
-  const oracle::Samples samples = oracle::Evaluated(*result.patches, grid.parameters);
+  const oracle::DeepSurface places = oracle::Refined(std::get<DooSabinSurface>(*usual.patches), 2);
+  const oracle::GridParameters grid =
+      oracle::AllOf(std::get<DooSabinSurface>(*usual.patches), places);
+  const oracle::Samples samples =
+      oracle::Evaluated(std::get<DooSabinSurface>(*result.patches), grid.parameters);
   std::vector<std::vector<Vec3>> seen(result.surface.vertex_count());
   for (std::size_t i = 0; i < grid.vertices.size(); ++i) {
     const Index f = grid.parameters[i].face;
@@ -253,7 +258,8 @@ TEST_P(PlaneFaceTest, ChordBoundsHold) {
   if (level == 0) return;
   LIMN_ASSERT_OK_AND_ASSIGN(const InterpolateResult usual,
                             Interpolate(Context{}, mesh_, {.level = level, .keep_patches = true}));
-  const oracle::DeepSurface places = oracle::Refined(*usual.patches, level);
+  const oracle::DeepSurface places =
+      oracle::Refined(std::get<DooSabinSurface>(*usual.patches), level);
   // At the middle of each quad the surface is not far from the nearest point of its triangles.
   const double cells = static_cast<double>(places.cells);
   std::vector<SurfaceParameter> parameters;
@@ -261,7 +267,7 @@ TEST_P(PlaneFaceTest, ChordBoundsHold) {
   for (Index h = 0; h < mesh_.corner_count(); h += 3) {
     for (std::size_t j = 0; j < places.cells; ++j) {
       for (std::size_t i = 0; i < places.cells; ++i) {
-        parameters.push_back(oracle::AtHalfEdge(usual.patches->mesh, h,
+        parameters.push_back(oracle::AtHalfEdge(std::get<DooSabinSurface>(*usual.patches).mesh, h,
                                                 (static_cast<double>(i) + 0.5) / cells,
                                                 (static_cast<double>(j) + 0.5) / cells));
         const auto at = [&](std::size_t a, std::size_t b) {
@@ -271,7 +277,8 @@ TEST_P(PlaneFaceTest, ChordBoundsHold) {
       }
     }
   }
-  const oracle::Samples samples = oracle::Evaluated(*result.patches, parameters);
+  const oracle::Samples samples =
+      oracle::Evaluated(std::get<DooSabinSurface>(*result.patches), parameters);
   for (std::size_t q = 0; q < quads.size(); ++q) {
     // The point of the bilinear patch is within the bound of both splits at the parameter's, so
     // twice the bound is generous for the nearest of nine points around, and wrong bounds fail it.

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <random>
@@ -12,8 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/constraints/certificate.h"
 #include "engine/interpolate.h"
-#include "engine/limit/certificate.h"
 #include "tests/oracle/expect.h"
 #include "tests/oracle/features.h"
 #include "tests/oracle/open_meshes.h"
@@ -103,7 +104,10 @@ TEST_P(FeatureSurfaceTest, InterpolatedVerticesAndNormalsAreMet) {
   options.constraints.features->vertices.clear();
   options.constraints.features->default_vertex = 1;
   options.constraints.interpolate = {0, 2};
-  options.constraints.normals = {{2, {0.2, 0.3, 1}}};
+  // Vertices of two faces have no tangent plane.
+  if (oracle::FacesAround(given_)[2] > 2) {
+    options.constraints.normals = {{2, {0.2, 0.3, 1}}};
+  }
   LIMN_ASSERT_OK_AND_ASSIGN(const InterpolateResult result, Interpolate(context_, mesh_, options));
   CertificateBuilder builder(mesh_.positions, options.constraints);
   builder.AddRun(0, result.surface.positions);
@@ -111,10 +115,7 @@ TEST_P(FeatureSurfaceTest, InterpolatedVerticesAndNormalsAreMet) {
   const Certificate certificate = builder.Finish();
   EXPECT_EQ(certificate.points_checked, 2U);
   EXPECT_LE(certificate.max_error, 1e-12 * certificate.bounding_box_diagonal);
-  // Vertices of two faces have no tangent plane.
-  if (oracle::FacesAround(given_)[2] > 2) {
-    EXPECT_LE(certificate.max_normal_deviation, 1e-10);
-  }
+  EXPECT_LE(certificate.max_normal_deviation, 1e-10);
   // Nothing is met that nobody asked for.
   EXPECT_GT(MaxAbs(result.surface.positions[1] - mesh_.positions[1]), 1e-3);
 }
@@ -259,6 +260,68 @@ TEST(FeatureSurfaces, AnErrorDoesNotSpoilTheNext) {
   constraints.features = FeatureValues{.faces = {{0, FaceKind::kPlane}}};
   ASSERT_TRUE(surface.Make(context, task).ok());
   EXPECT_EQ(surface.surface().corners, corners);
+}
+
+// The cut mesh is too large for the limits of one call, which fails half way.
+TEST(FeatureSurfaces, AnErrorWhileCuttingDoesNotSpoilTheNext) {
+  const PolygonMesh mesh = oracle::Cube();
+  const Context context;
+  const Context small(Limits{.max_vertices = mesh.vertex_count()});
+  const FeatureValues kinds[] = {
+      {}, {.faces = {{0, FaceKind::kPlane}}}, {.faces = {{1, FaceKind::kPlane}}}};
+  Constraints constraints;
+  const FeatureTask task = {.points = mesh.positions, .constraints = constraints};
+  for (const FeatureValues& before : kinds) {
+    for (const FeatureValues& after : kinds) {
+      LIMN_ASSERT_OK_AND_ASSIGN(FeatureSurface surface,
+                                FeatureSurface::Create(context, oracle::BuildOrDie(mesh)));
+      constraints.features = before;
+      ASSERT_TRUE(surface.Make(context, task).ok());
+      constraints.features = FeatureValues{.faces = {{4, FaceKind::kPlane}}};
+      EXPECT_EQ(surface.Make(small, task).code(), absl::StatusCode::kResourceExhausted);
+      constraints.features = after;
+      ASSERT_TRUE(surface.Make(context, task).ok());
+      LIMN_ASSERT_OK_AND_ASSIGN(FeatureSurface fresh,
+                                FeatureSurface::Create(context, oracle::BuildOrDie(mesh)));
+      ASSERT_TRUE(fresh.Make(context, task).ok());
+      EXPECT_TRUE(SameSurface(surface.surface(), fresh.surface()));
+    }
+  }
+}
+
+// Wherever the time runs out.
+TEST(FeatureSurfaces, ADeadlineInsideDoesNotSpoilTheNext) {
+  const PolygonMesh mesh = oracle::TorusOfTriangles(40, 40);
+  const Context context;
+  LIMN_ASSERT_OK_AND_ASSIGN(FeatureSurface surface,
+                            FeatureSurface::Create(context, oracle::BuildOrDie(mesh)));
+  FeatureSurface fresh = *FeatureSurface::Create(context, oracle::BuildOrDie(mesh));
+  Constraints one;
+  one.features = FeatureValues{.faces = {{1, FaceKind::kPlane}, {77, FaceKind::kPlane}}};
+  Constraints other;
+  other.features = FeatureValues{.faces = {{50, FaceKind::kPlane}}};
+  ASSERT_TRUE(fresh.Make(context, {.points = mesh.positions, .constraints = one}).ok());
+  std::size_t stopped = 0;
+  for (int i = 0; i < 60; ++i) {
+    ASSERT_TRUE(surface.Make(context, {.points = mesh.positions, .constraints = one}).ok());
+    ASSERT_TRUE(SameSurface(surface.surface(), fresh.surface()));
+    Context late;
+    late.set_deadline(Context::Clock::now() + std::chrono::microseconds(20 * i));
+    if (!surface.Make(late, {.points = mesh.positions, .constraints = other}).ok()) ++stopped;
+  }
+  EXPECT_GT(stopped, 0U);
+}
+
+TEST(FeatureSurfaces, NormalsAtVerticesOfTwoFacesAreRefused) {
+  const PolygonMesh mesh = oracle::CubeWithVertexOfValenceTwo();
+  const HalfEdgeMesh built = oracle::BuildOrDie(mesh);
+  Index two = 0;
+  while (built.valence(two) != 2) ++two;
+  InterpolateOptions options = With({});
+  options.constraints.interpolate = {0, two};
+  options.constraints.normals = {{0, {0, 0, 1}}, {two, {0, 0, 1}}};
+  oracle::ExpectError(Interpolate(Context{}, mesh, options).status(),
+                      {Reason::kInvalidOption, "constraints.normals[1].vertex", 1});
 }
 
 TEST(FeatureSurfaces, WhatContradictsThemIsRefused) {

@@ -176,6 +176,22 @@ TEST(InterpolateLimits, EstimateIsAnUpperBoundForTheOtherSchemesToo) {
                    .level = 1});
   }
   all.push_back({.scheme = Scheme::kCatmullClark, .rule = FirstRule::kBilinear, .level = 0});
+  // Surfaces that are kept, and normals everywhere.
+  for (const Scheme scheme : {Scheme::kCatmullClark, Scheme::kLoop}) {
+    for (const std::uint32_t level : {0U, 1U, 2U}) {
+      all.push_back({.scheme = scheme, .level = level, .keep_patches = true});
+    }
+    all.push_back({.scheme = scheme, .surface = false, .keep_patches = true});
+    for (const std::uint32_t level : {0U, 2U}) {
+      InterpolateOptions& options = all.emplace_back(all.front());
+      options.scheme = scheme;
+      options.level = level;
+      options.keep_patches = level == 0;
+      for (Index v = 0; v < polygons.vertex_count(); ++v) {
+        options.constraints.normals.push_back({v, polygons.positions[v]});
+      }
+    }
+  }
   for (const std::uint32_t level : {0U, 1U, 2U}) {
     all.push_back(
         {.constraints = {.features = FeatureValues{.default_edge = 0.3}}, .level = level});
@@ -183,7 +199,8 @@ TEST(InterpolateLimits, EstimateIsAnUpperBoundForTheOtherSchemesToo) {
   for (const InterpolateOptions& options : all) {
     SCOPED_TRACE(absl::StrCat(static_cast<int>(options.scheme), ", level ", options.level,
                               ", surface ", options.surface, ", creases ",
-                              options.constraints.creases.size()));
+                              options.constraints.creases.size(), ", kept ", options.keep_patches,
+                              ", normals ", options.constraints.normals.size()));
     const PolygonMesh& mesh = options.scheme == Scheme::kLoop ? triangles : polygons;
     const std::uint64_t estimate =
         EstimateBytes(mesh.vertex_count(), mesh.face_count(), mesh.corner_count(), options);

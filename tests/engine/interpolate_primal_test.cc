@@ -395,8 +395,6 @@ TEST(PrimalErrors, WhatBelongsToDooSabinIsRefusedByItsField) {
   };
   expect({.constraints = {.shape_handles = {{0, 1}}}},
          {Reason::kInvalidOption, "constraints.shape_handles"});
-  expect({.constraints = {.normals = {{0, {0, 0, 1}}}}},
-         {Reason::kUnimplemented, "constraints.normals"});
   expect({.fair = true}, {Reason::kInvalidOption, "solve.fair"});
   expect({.rule = FirstRule::kModified}, {Reason::kInvalidOption, "solve.rule"});
 }

@@ -9,7 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "engine/mesh/generate.h"
-#include "engine/scheme/limit_stencil.h"
+#include "engine/stencil/limit_stencil.h"
 #include "tests/oracle/dense.h"
 #include "tests/oracle/expect.h"
 #include "tests/oracle/mesh.h"

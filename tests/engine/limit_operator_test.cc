@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The limit operator and the order in which it gathers.
-#include "engine/scheme/limit_operator.h"
+#include "engine/stencil/limit_operator.h"
 
 #include <gtest/gtest.h>
 

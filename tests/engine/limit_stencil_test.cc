@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "engine/scheme/limit_stencil.h"
+#include "engine/stencil/limit_stencil.h"
 
 #include <gtest/gtest.h>
 

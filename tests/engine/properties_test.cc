@@ -14,8 +14,8 @@
 #include "engine/constraints/perturb.h"
 #include "engine/interpolate.h"
 #include "engine/mesh/generate.h"
+#include "engine/mesh/quad_split.h"
 #include "engine/refine/doo_sabin_refine.h"
-#include "engine/refine/quad_split.h"
 #include "tests/oracle/expect.h"
 #include "tests/oracle/open_meshes.h"
 
@@ -121,7 +121,7 @@ TEST_P(PropertiesTest, AffineMapsMoveTheInterpolatingControlMesh) {
 TEST_P(PropertiesTest, RefinementKeepsCentroidsAndPlanes) {
   auto result = Interpolate(Context(), mesh_, {.level = 0, .surface = false, .keep_patches = true});
   ASSERT_TRUE(result.ok()) << result.status();
-  const DooSabinSurface& coarse = *result->patches;
+  const DooSabinSurface& coarse = std::get<DooSabinSurface>(*result->patches);
   Buffer<Vec3> refined(4 * coarse.mesh.half_edge_count());
   ASSERT_TRUE(
       RefineDooSabin(Context(),

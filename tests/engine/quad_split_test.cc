@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "engine/refine/quad_split.h"
+#include "engine/mesh/quad_split.h"
 
 #include <gtest/gtest.h>
 

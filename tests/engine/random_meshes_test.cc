@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "engine/constraints/certificate.h"
 #include "engine/interpolate.h"
-#include "engine/limit/certificate.h"
 #include "engine/mesh/generate.h"
 #include "tests/oracle/expect.h"
 #include "tests/oracle/slowdown.h"

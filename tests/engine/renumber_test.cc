@@ -99,6 +99,31 @@ TEST(RenumberConstraints, WhatIsNotThereIsRefusedByItsPlace) {
                       {Reason::kIndexOutOfRange, "constraints.holes[1]", 1});
 }
 
+TEST(RenumberConstraints, SurfacePointsFollowTheirVertices) {
+  Constraints given;
+  given.surface_points.resize(2);
+  given.surface_points[0].vertex = 3;
+  given.surface_points[0].point = {1, 2, 3};
+  given.surface_points[1].vertex = 0;
+  LIMN_ASSERT_OK_AND_ASSIGN(const Constraints result, Renumbered(given, {}));
+  ASSERT_EQ(result.surface_points.size(), 3U);
+  for (const std::size_t copy : {0, 1}) {
+    EXPECT_EQ(result.surface_points[copy].point, given.surface_points[0].point);
+  }
+  EXPECT_NE(result.surface_points[0].vertex, result.surface_points[1].vertex);
+}
+
+TEST(RenumberConstraints, ParametersAndRegionsDoNotOutliveRepair) {
+  Constraints given;
+  given.surface_points.resize(1);
+  given.surface_points[0].parameter = SurfaceParameter{.face = 0};
+  oracle::ExpectError(Renumbered(given, {}).status(),
+                      {Reason::kInvalidOption, "constraints.surface_points[0].parameter", 0});
+  given.surface_points[0] = {.vertex = 0, .region = {1}};
+  oracle::ExpectError(Renumbered(given, {}).status(),
+                      {Reason::kInvalidOption, "constraints.surface_points[0].region", 0});
+}
+
 TEST(RenumberConstraints, StopsWhenCancelled) {
   const Context context;
   context.Cancel();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Rows of the limit stencil where something is sharp: held against refinement by the oracle.
-#include "engine/scheme/sharp_rows.h"
+#include "engine/stencil/sharp_rows.h"
 
 #include <gtest/gtest.h>
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "engine/mesh/generate.h"
-#include "engine/refine/quad_split.h"
-#include "engine/refine/triangle_split.h"
+#include "engine/mesh/quad_split.h"
+#include "engine/mesh/triangle_split.h"
 #include "tests/oracle/creases.h"
 #include "tests/oracle/expect.h"
 #include "tests/oracle/open_meshes.h"

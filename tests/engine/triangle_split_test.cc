@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "engine/refine/triangle_split.h"
+#include "engine/mesh/triangle_split.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/mesh/generate.h"
-#include "engine/refine/quad_split.h"
+#include "engine/mesh/quad_split.h"
 #include "tests/oracle/creased.h"
 #include "tests/oracle/expect.h"
 #include "tests/oracle/open_meshes.h"

@@ -14,7 +14,7 @@
 #include "engine/base/buffer.h"
 #include "engine/base/vec3.h"
 #include "engine/mesh/half_edge_mesh.h"
-#include "engine/scheme/limit_stencil.h"
+#include "engine/stencil/limit_stencil.h"
 
 namespace limn::experiments {
 

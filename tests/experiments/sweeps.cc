@@ -70,7 +70,7 @@ void AddSweeps(const Setup& setup, const std::vector<Model>& models, Report* rep
   report->Heading("Auxiliary mesh: sweeps and time (sections 3.2 to 3.5)");
   report->Paragraph(
       "Until a sweep moves no vertex by more than the tolerance, as a part of the bounding box's "
-      "diagonal; Chebyshev asks the same of the residual. The paper's models, by Gauss-Seidel to "
+      "diagonal; Chebyshev asks the same of what is left. The paper's models, by Gauss-Seidel to "
       "0.3 % on a Pentium 4 of 1.6 GHz: 562 vertices in 3 sweeps and 4.9 ms, 11,540 vertices in 2 "
       "sweeps and 79 ms. Times are those of the solve with all that it prepares, of a mesh whose "
       "half-edges are there.");

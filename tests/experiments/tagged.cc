@@ -145,7 +145,7 @@ void WriteMeshes(const Experiment& experiment, const Variant& variant,
   const std::vector<Mark> marks = experiment.Marks(variant.normals);
   WriteScene(experiment.setup, variant.surface, result.surface, marks);
   if (variant.refined.empty()) return;
-  const PolygonMesh refined = FirstRefinedMesh(*result.patches);
+  const PolygonMesh refined = FirstRefinedMesh(std::get<DooSabinSurface>(*result.patches));
   CheckRefined(experiment, variant, refined);
   WriteScene(experiment.setup, variant.given, experiment.given, marks);
   WriteScene(experiment.setup, variant.refined, refined, marks);

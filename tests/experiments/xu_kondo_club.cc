@@ -125,7 +125,7 @@ void RunClub(const Setup& setup, Report* report) {
   const InterpolateResult shaped = Shape(setup, club.mesh, ClubValues(club, false), level);
   const InterpolateResult plane = Shape(setup, club.mesh, ClubValues(club, true), level);
   WriteScene(setup, "fig10a", club.mesh);
-  WriteScene(setup, "fig10b", FirstRefinedMesh(*shaped.patches));
+  WriteScene(setup, "fig10b", FirstRefinedMesh(std::get<DooSabinSurface>(*shaped.patches)));
   WriteScene(setup, "fig9e", plain.surface);
   WriteScene(setup, "fig10e", shaped.surface);
   WriteScene(setup, "fig11", plane.surface);

@@ -54,7 +54,8 @@ void RunCube(const Setup& setup, Report* report) {
       for (const Index v : kSharp) values.vertices.push_back({v, std::nullopt, kSharpValue});
     }
     const InterpolateResult result = Shape(setup, cube, values, level);
-    WriteScene(setup, "fig8" + letter + "-first", FirstRefinedMesh(*result.patches));
+    WriteScene(setup, "fig8" + letter + "-first",
+               FirstRefinedMesh(std::get<DooSabinSurface>(*result.patches)));
     WriteScene(setup, "fig8" + letter, result.surface);
     const std::string caption = absl::StrCat("8", letter, ": EFV ", values.default_edge,
                                              letter == "d" ? ", two vertices sharp" : "");

@@ -128,7 +128,8 @@ void RunTube(const Setup& setup, Report* report) {
   std::vector<Report::Picture> pictures = {{"fig12e.png", "12e: Doo-Sabin alone"}};
   for (const Case& c : Cases()) {
     const InterpolateResult result = Shape(setup, tube, ValuesUnder(tube, c.loads), level);
-    WriteScene(setup, "fig12" + c.letter, FirstRefinedMesh(*result.patches));
+    WriteScene(setup, "fig12" + c.letter,
+               FirstRefinedMesh(std::get<DooSabinSurface>(*result.patches)));
     WriteScene(setup, "fig12" + c.shape, result.surface);
     polyhedra.push_back({absl::StrCat("fig12", c.letter, ".png"), "12" + c.letter});
     pictures.push_back(

@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include "engine/mesh/quad_split.h"
+#include "engine/mesh/triangle_split.h"
 #include "engine/refine/catmull_clark_refine.h"
 #include "engine/refine/loop_refine.h"
-#include "engine/refine/quad_split.h"
-#include "engine/refine/triangle_split.h"
 #include "tests/oracle/creased.h"
 #include "tests/oracle/creases.h"
 #include "tests/oracle/expect.h"

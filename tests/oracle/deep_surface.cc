@@ -10,8 +10,8 @@
 
 #include "engine/interpolate.h"
 #include "engine/limit/doo_sabin_limit.h"
+#include "engine/mesh/quad_split.h"
 #include "engine/refine/doo_sabin_refine.h"
-#include "engine/refine/quad_split.h"
 
 namespace limn::oracle {
 namespace {
@@ -103,7 +103,7 @@ DooSabinSurface RandomSharpSurface(const PolygonMesh& given, std::uint64_t seed)
 DooSabinSurface InterpolatingSurface(const PolygonMesh& given) {
   InterpolateResult result =
       OrThrow(Interpolate(Context(), given, {.surface = false, .keep_patches = true}));
-  return *std::move(result.patches);
+  return std::get<DooSabinSurface>(*std::move(result.patches));
 }
 
 DooSabinSurface RefinedSurface(const DooSabinSurface& surface) {

@@ -8,8 +8,8 @@
 
 #include "engine/base/context.h"
 #include "engine/mesh/half_edge_mesh.h"
-#include "engine/scheme/limit_operator.h"
-#include "engine/scheme/limit_stencil.h"
+#include "engine/stencil/limit_operator.h"
+#include "engine/stencil/limit_stencil.h"
 
 namespace limn::oracle {
 

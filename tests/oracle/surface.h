@@ -8,8 +8,8 @@
 #include "engine/mesh/validate.h"
 #include "engine/refine/doo_sabin_refine.h"
 #include "engine/refine/doo_sabin_surface.h"
-#include "engine/scheme/limit_stencil.h"
 #include "engine/solve/solve.h"
+#include "engine/stencil/limit_stencil.h"
 #include "tests/oracle/expect.h"
 
 namespace limn::oracle {

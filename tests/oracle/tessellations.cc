@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "engine/limit/doo_sabin_limit.h"
+#include "engine/mesh/quad_split.h"
 #include "engine/refine/doo_sabin_refine.h"
-#include "engine/refine/quad_split.h"
 
 namespace limn::oracle {
 namespace {

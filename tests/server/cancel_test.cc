@@ -122,6 +122,7 @@ TEST(CancelTest, AHundredCancelledJobsLeaveAServerThatWorks) {
 TEST(StallTest, AnUploadThatStandsStillIsEnded) {
   ServerOptions options = OnePlace();
   options.limits.stall_seconds = 1;
+  options.limits.min_bytes_per_second = 0;
   const std::unique_ptr<Server> server = StartServer(options);
   RawCall call(server->InProcessChannel());
   ASSERT_TRUE(call.Write(MakeUpload(MakeHeader(1), MakeSphere(64)).front()));

@@ -52,6 +52,43 @@ TEST(ConstraintsFromProtoTest, EveryEntryArrivesInItsOrder) {
   EXPECT_EQ(ConstraintBytes(*got), 3 * 4 + 2 * sizeof(NormalConstraint) + 2 * sizeof(ShapeHandle));
 }
 
+TEST(ConstraintsFromProtoTest, ConstraintsOnTheSurfaceArriveWithWhatTheyAskFor) {
+  v1::Constraints constraints;
+  v1::SurfaceConstraint* at_vertex = constraints.add_surface_points();
+  at_vertex->set_vertex(3);
+  at_vertex->mutable_point()->set_y(2);
+  at_vertex->mutable_normal()->set_z(-1);
+  for (const Index f : {8U, 2U, 5U}) at_vertex->add_region(f);
+  v1::SurfaceConstraint* at_parameter = constraints.add_surface_points();
+  at_parameter->mutable_parameter()->set_face(4);
+  at_parameter->mutable_parameter()->set_corner(1);
+  at_parameter->mutable_parameter()->set_u(0.25);
+  at_parameter->mutable_parameter()->set_v(0.75);
+  at_parameter->mutable_derivative_u()->set_x(3);
+  at_parameter->mutable_derivative_v()->set_y(-4);
+  constraints.add_surface_points();
+  const absl::StatusOr<Constraints> got = ConstraintsFromProto(constraints, 8);
+  ASSERT_TRUE(got.ok()) << got.status();
+  ASSERT_EQ(got->surface_points.size(), 3U);
+  const SurfaceConstraint& first = got->surface_points[0];
+  EXPECT_EQ(first.vertex, 3U);
+  EXPECT_FALSE(first.parameter.has_value());
+  EXPECT_EQ(first.point, (Vec3{0, 2, 0}));
+  EXPECT_EQ(first.normal, (Vec3{0, 0, -1}));
+  EXPECT_FALSE(first.derivative_u || first.derivative_v);
+  EXPECT_EQ(first.region, (std::vector<Index>{8, 2, 5}));
+  const SurfaceConstraint& second = got->surface_points[1];
+  EXPECT_FALSE(second.vertex || second.point || second.normal);
+  ASSERT_TRUE(second.parameter.has_value());
+  EXPECT_EQ(second.parameter->face, 4U);
+  EXPECT_EQ(second.parameter->corner, 1U);
+  EXPECT_EQ(second.parameter->u, 0.25);
+  EXPECT_EQ(second.parameter->v, 0.75);
+  EXPECT_EQ(second.derivative_u, (Vec3{3, 0, 0}));
+  EXPECT_EQ(second.derivative_v, (Vec3{0, -4, 0}));
+  EXPECT_EQ(ConstraintBytes(*got), 3 * sizeof(SurfaceConstraint) + 3 * 4);
+}
+
 TEST(ConstraintsFromProtoTest, WhatIsSharpArrivesInItsOrder) {
   v1::Constraints constraints;
   v1::Crease* crease = constraints.add_creases();
@@ -150,8 +187,6 @@ INSTANTIATE_TEST_SUITE_P(
                               c->add_normals()->set_vertex(1);
                             },
                             Reason::kInvalidOption, "constraints.normals[1].normal"},
-                    BadCase{"SurfacePoints", [](auto* c) { c->add_surface_points(); },
-                            Reason::kUnimplemented, "constraints.surface_points"},
                     BadCase{"FeatureDefault",
                             [](auto* c) {
                               c->mutable_features()->set_default_face(

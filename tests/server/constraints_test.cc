@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "client/vertex_set.h"
+#include "engine/constraints/certificate.h"
 #include "engine/interpolate.h"
-#include "engine/limit/certificate.h"
 #include "engine/mesh/generate.h"
 #include "server/constraints_from_proto.h"
 #include "tests/server/service_fixture.h"

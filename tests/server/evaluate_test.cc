@@ -9,12 +9,14 @@
 #include <random>
 #include <string>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 #include "engine/interpolate.h"
 #include "engine/limit/evaluate.h"
 #include "engine/mesh/generate.h"
 #include "proto/wire/samples.h"
+#include "tests/oracle/test_meshes.h"
 #include "tests/server/service_fixture.h"
 
 namespace limn {
@@ -54,9 +56,12 @@ std::vector<v1::EvaluateRequest> MakeBlocks(const std::vector<SurfaceParameter>&
 
 // What the engine says by itself.
 wire::SampleArrays Expected(const PolygonMesh& mesh,
-                            const std::vector<SurfaceParameter>& parameters) {
+                            const std::vector<SurfaceParameter>& parameters,
+                            InterpolateOptions options = {}) {
   const Context context;
-  auto result = Interpolate(context, mesh, {.level = 0, .keep_patches = true});
+  options.level = 0;
+  options.keep_patches = true;
+  auto result = Interpolate(context, mesh, options);
   EXPECT_TRUE(result.ok()) << result.status();
   wire::SampleArrays samples;
   samples.Resize(parameters.size());
@@ -138,6 +143,39 @@ TEST(EvaluateTest, AnswersAreTheEnginesToTheBitInTheirOrder) {
       EXPECT_EQ(answer.accepted, 1U);
       ExpectEqual(answer.samples, expected);
       ASSERT_TRUE(answer.summary.has_value());
+    }
+  }
+}
+
+// With a normal, whose control points are those of the twice refined mesh.
+TEST(EvaluateTest, CatmullClarkAndLoopAreEvaluatedToo) {
+  const std::unique_ptr<Server> server = StartServer();
+  const PolygonMesh triangles = oracle::Triangulated(MakeSphere(300));
+  for (const bool normal : {false, true}) {
+    for (const v1::Scheme scheme : {v1::SCHEME_CATMULL_CLARK, v1::SCHEME_LOOP}) {
+      const bool loop = scheme == v1::SCHEME_LOOP;
+      const PolygonMesh mesh = loop ? triangles : MakeSphere(300);
+      std::vector<SurfaceParameter> parameters = SomeParameters(mesh, 2'000);
+      for (SurfaceParameter& p : parameters) {
+        if (loop && p.u + p.v > 1) std::tie(p.u, p.v) = std::pair(1 - p.u, 1 - p.v);
+      }
+      InterpolateOptions options = {.scheme = loop ? Scheme::kLoop : Scheme::kCatmullClark};
+      v1::InterpolateHeader header = MakeEvaluateHeader();
+      header.set_scheme(scheme);
+      if (normal) {
+        options.constraints.normals = {{7, {1, 2, 3}}};
+        v1::NormalConstraint* entry = header.mutable_constraints()->add_normals();
+        entry->set_vertex(7);
+        entry->mutable_normal()->set_x(1);
+        entry->mutable_normal()->set_y(2);
+        entry->mutable_normal()->set_z(3);
+      }
+      RawEvaluation call(server->InProcessChannel());
+      const Answer answer =
+          Ask(call, Joined(MakeEvaluateUpload(header, mesh), MakeBlocks(parameters, 700)));
+      ASSERT_TRUE(call.Finish().ok()) << call.Finish();
+      ExpectEqual(answer.samples, Expected(mesh, parameters, options));
+      EXPECT_EQ(answer.summary->has_blend(), normal);
     }
   }
 }
@@ -285,9 +323,9 @@ std::vector<RefusalCase> Refusals() {
              v1::MESH_ENCODING_DRACO_QUANTIZED);
        },
        "mesh.encoding"},
-      {"SchemeThatIsNotBuilt", Reason::kUnimplemented,
+      {"LoopOfPolygons", Reason::kInvalidOption,
        [](Requests& r) { r[0].mutable_job()->mutable_header()->set_scheme(v1::SCHEME_LOOP); },
-       "scheme"},
+       "mesh.faces"},
   };
 }
 INSTANTIATE_TEST_SUITE_P(Calls, EvaluateRefusalTest, testing::ValuesIn(Refusals()),

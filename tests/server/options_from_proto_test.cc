@@ -170,20 +170,7 @@ std::vector<FieldCase> InvalidCases() {
   };
 }
 
-std::vector<FieldCase> UnbuiltCases() {
-  constexpr Reason kNot = Reason::kUnimplemented;
-  const auto constraint = [](const std::function<void(v1::Constraints*)>& add) {
-    return [add](Header& h) { add(h.mutable_constraints()); };
-  };
-  return {
-      {"SurfacePoints", constraint([](auto* c) { c->add_surface_points(); }), kNot,
-       "constraints.surface_points"},
-  };
-}
-
 INSTANTIATE_TEST_SUITE_P(Invalid, HeaderFieldTest, testing::ValuesIn(InvalidCases()),
-                         [](const auto& test) { return test.param.name; });
-INSTANTIATE_TEST_SUITE_P(NotBuilt, HeaderFieldTest, testing::ValuesIn(UnbuiltCases()),
                          [](const auto& test) { return test.param.name; });
 
 TEST(JobSpecTest, AbsentFieldsTakeTheDefaultsOfTheContract) {
@@ -281,13 +268,14 @@ TEST(JobSpecTest, ErrorsOfTheHeaderReachTheClientWithTheirField) {
   const std::unique_ptr<Server> server = StartServer();
   RawCall call(server->InProcessChannel());
   Header header = MakeHeader(1);
-  header.mutable_constraints()->add_surface_points();
+  header.set_scheme(v1::SCHEME_CATMULL_CLARK);
+  header.mutable_surface()->set_chord_tolerance(0.1);
   call.Write(MakeUpload(header, MakeSphere(64)));
   call.WritesDone();
   EXPECT_EQ(call.Finish().code(), absl::StatusCode::kUnimplemented);
   const v1::ErrorDetails info = ErrorInfoOf(call.rich_status());
   EXPECT_EQ(info.reason(), "UNIMPLEMENTED");
-  EXPECT_EQ(info.metadata().at("field"), "constraints.surface_points");
+  EXPECT_EQ(info.metadata().at("field"), "surface.chord_tolerance");
 }
 
 TEST(JobSpecTest, EveryNameOfTheContractReachesTheEngineAndComesBack) {

@@ -8,8 +8,8 @@
 #include <tuple>
 #include <vector>
 
+#include "engine/constraints/certificate.h"
 #include "engine/interpolate.h"
-#include "engine/limit/certificate.h"
 #include "server/options_from_proto.h"
 #include "tests/server/service_fixture.h"
 

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "engine/limit/certificate.h"
+#include "engine/constraints/certificate.h"
 #include "proto/wire/tile_codec.h"
 #include "tests/wire/test_meshes.h"
 

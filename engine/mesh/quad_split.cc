@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "engine/refine/quad_split.h"
+#include "engine/mesh/quad_split.h"
 
 #include <utility>
 
@@ -11,19 +11,49 @@
 namespace limn {
 namespace {
 
-template <class Walk>
-void WriteQuads(const Walk& walk, const HalfEdgeMesh& mesh, std::size_t begin, std::size_t end,
-                Index* out) {
-  const Index first_edge = static_cast<Index>(mesh.vertex_count());
-  const Index first_face = first_edge + static_cast<Index>(mesh.edge_count());
-  for (std::size_t h = begin; h < end; ++h) {
-    const Index half_edge = static_cast<Index>(h);
-    out[4 * h] = mesh.vertex()[h];
-    out[4 * h + 1] = first_edge + mesh.edge()[h];
-    out[4 * h + 2] = first_face + walk.Face(half_edge);
-    out[4 * h + 3] = first_edge + mesh.edge()[walk.Prev(half_edge)];
+// Calls visit(h, face, next, prev) for the half-edges of [begin, end): walked along, the face and
+// its ends need not be looked up for each.
+template <class Walk, class Visit>
+void VisitCorners(const Walk& walk, std::size_t begin, std::size_t end, const Visit& visit) {
+  if (begin >= end) return;
+  Index face = walk.Face(static_cast<Index>(begin));
+  Index first = walk.FaceBegin(face);
+  Index last = walk.FaceEnd(face);
+  for (Index h = static_cast<Index>(begin); h < end; ++h) {
+    if (h == last) {
+      ++face;
+      first = last;
+      last = walk.FaceEnd(face);
+    }
+    visit(h, face, h + 1 == last ? first : h + 1, h == first ? last - 1 : h - 1);
   }
 }
+
+// Vertices of the quads.
+class QuadWriter {
+ public:
+  QuadWriter(const HalfEdgeMesh& mesh, Index* out)
+      : vertex_(mesh.vertex().data()),
+        edge_(mesh.edge().data()),
+        first_edge_(static_cast<Index>(mesh.vertex_count())),
+        first_face_(first_edge_ + static_cast<Index>(mesh.edge_count())),
+        out_(out) {}
+
+  void Write(Index h, Index face, Index prev) const {
+    Index* const quad = out_ + std::size_t{4} * h;
+    quad[0] = vertex_[h];
+    quad[1] = first_edge_ + edge_[h];
+    quad[2] = first_face_ + face;
+    quad[3] = first_edge_ + edge_[prev];
+  }
+
+ private:
+  const Index* vertex_;
+  const Index* edge_;
+  Index first_edge_;
+  Index first_face_;
+  Index* out_;
+};
 
 }  // namespace
 
@@ -31,7 +61,10 @@ absl::Status QuadVertices(const Context& context, const HalfEdgeMesh& mesh,
                           absl::Span<Index> vertices) {
   return WithWalk(mesh, [&](auto walk) {
     return ParallelFor(context, mesh.half_edge_count(), [&](std::size_t begin, std::size_t end) {
-      WriteQuads(walk, mesh, begin, end, vertices.data());
+      const QuadWriter quads(mesh, vertices.data());
+      VisitCorners(walk, begin, end, [&](Index h, Index face, Index /*next*/, Index prev) {
+        quads.Write(h, face, prev);
+      });
     });
   });
 }
@@ -51,8 +84,7 @@ class QuadSplitter {
     }
     out_.arity_ = 4;
     out_.vertex_.resize(half_edges);
-    LIMN_RETURN_IF_ERROR(QuadVertices(context_, in_, absl::MakeSpan(out_.vertex_)));
-    LIMN_RETURN_IF_ERROR(WithWalk(in_, [&](auto walk) { return WriteTwins(walk); }));
+    LIMN_RETURN_IF_ERROR(WithWalk(in_, [&](auto walk) { return WriteQuads(walk); }));
     // Each old edge gives two, each old half-edge one inside its face.
     LIMN_RETURN_IF_ERROR(NumberEdges(context_, out_.twin_,
                                      2 * in_.edge_count() + in_.half_edge_count(), &out_.edge_,
@@ -62,20 +94,25 @@ class QuadSplitter {
   }
 
  private:
+  // Vertices and twins.
   template <class Walk>
-  absl::Status WriteTwins(const Walk& walk) {
+  absl::Status WriteQuads(const Walk& walk) {
     out_.twin_.resize(out_.vertex_.size());
-    return ParallelFor(context_, in_.half_edge_count(), [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const Index h = static_cast<Index>(i);
-        const Index clockwise = RotateCw(walk, in_.twin(), h);
-        const Index counter_clockwise = RotateCcw(walk, in_.twin(), h);
-        Index* const twin = &out_.twin_[4 * i];
-        twin[0] = clockwise == kNoIndex ? kNoIndex : 4 * clockwise + 3;
-        twin[1] = 4 * walk.Next(h) + 2;
-        twin[2] = 4 * walk.Prev(h) + 1;
+    const QuadWriter quads(in_, out_.vertex_.data());
+    Index* const out = out_.twin_.data();
+    const Index* const twins = in_.twin().data();
+    return ParallelFor(context_, in_.half_edge_count(), [=](std::size_t begin, std::size_t end) {
+      const Walk here = walk;
+      VisitCorners(here, begin, end, [=](Index h, Index face, Index next, Index prev) {
+        quads.Write(h, face, prev);
+        const Index across = twins[h];
+        const Index counter_clockwise = twins[prev];
+        Index* const twin = out + std::size_t{4} * h;
+        twin[0] = across == kNoIndex ? kNoIndex : 4 * here.Next(across) + 3;
+        twin[1] = 4 * next + 2;
+        twin[2] = 4 * prev + 1;
         twin[3] = counter_clockwise == kNoIndex ? kNoIndex : 4 * counter_clockwise;
-      }
+      });
     });
   }
 

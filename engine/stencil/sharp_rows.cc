@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "engine/scheme/sharp_rows.h"
+#include "engine/stencil/sharp_rows.h"
 
 #include <algorithm>
 #include <cmath>

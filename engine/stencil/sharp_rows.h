@@ -13,8 +13,8 @@
 #include "absl/status/statusor.h"
 #include "engine/base/context.h"
 #include "engine/limit/limit_masks.h"
-#include "engine/scheme/limit_stencil.h"
 #include "engine/scheme/sharpness.h"
+#include "engine/stencil/limit_stencil.h"
 
 namespace limn {
 

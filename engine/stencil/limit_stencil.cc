@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "engine/scheme/limit_stencil.h"
+#include "engine/stencil/limit_stencil.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,8 @@
 
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
+#include "engine/mesh/triangle_split.h"
 #include "engine/refine/loop_refine.h"
-#include "engine/refine/triangle_split.h"
 
 namespace limn {
 namespace {

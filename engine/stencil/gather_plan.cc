@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "engine/scheme/gather_plan.h"
+#include "engine/stencil/gather_plan.h"
 
 namespace limn {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "engine/refine/triangle_split.h"
+#include "engine/mesh/triangle_split.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -13,8 +13,8 @@
 #include "engine/base/context.h"
 #include "engine/base/vec3.h"
 #include "engine/mesh/half_edge_mesh.h"
-#include "engine/scheme/gather_plan.h"
-#include "engine/scheme/limit_stencil.h"
+#include "engine/stencil/gather_plan.h"
+#include "engine/stencil/limit_stencil.h"
 
 namespace limn {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "engine/scheme/limit_operator.h"
+#include "engine/stencil/limit_operator.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "engine/limit/certificate.h"
+#include "engine/constraints/certificate.h"
 
 #include <algorithm>
 #include <cmath>
