@@ -130,8 +130,8 @@ class Client {
 
   [[nodiscard]] absl::StatusOr<v1::GetServerInfoResponse> GetServerInfo() const;
 
-  // Whether a server, of several at least one, says of this service that it serves, by grpc.health.v1: "" and
-  // "limn.v1.LimnService" are readiness, "liveness" is what its name says.
+  // Whether a server, of several at least one, says of this service that it serves, by
+  // grpc.health.v1: "" and "limn.v1.LimnService" are readiness, "liveness" is what its name says.
   [[nodiscard]] absl::StatusOr<bool> Serves(const std::string& service) const;
 
   const ClientOptions& options() const { return options_; }
