@@ -279,6 +279,52 @@ TEST(PlaneFaces, FeetStayOnTheirEdgeAndInOrder) {
   EXPECT_GT(at_an_end, 0U);
 }
 
+// An L-shaped or a C-shaped face and walls below it; the corners count as the outline's. Areas of
+// quads are signed, so a fold shows as a negative one.
+TEST(PlaneFaces, ConcaveOnesFoldUnlessStarShapedAboutTheirMiddle) {
+  const auto folds = [](const std::vector<Vec3>& outline) {
+    PolygonMesh mesh;
+    const auto m = static_cast<Index>(outline.size());
+    Buffer<Index> top;
+    Buffer<Index> bottom;
+    for (Index i = 0; i < m; ++i) {
+      mesh.positions.push_back(outline[i] + Vec3{0, 0, 1});
+      top.push_back(i);
+      bottom.push_back(2 * m - 1 - i);
+    }
+    for (const Vec3& p : outline) mesh.positions.push_back(p);
+    mesh.AddFace(top);
+    mesh.AddFace(bottom);
+    for (Index i = 0; i < m; ++i) {
+      const Index next = (i + 1) % m;
+      mesh.AddFace({next, i, m + i, m + next});
+    }
+    const InterpolateResult result = Made(mesh, {.default_face = FaceKind::kPlane}, 3);
+    double given = 0;
+    for (Index i = 0; i < m; ++i) given += 0.5 * Cross(outline[i], outline[(i + 1) % m]).z;
+    double whole = 0;
+    std::size_t folded = 0;
+    const Tessellation& surface = result.surface;
+    for (std::size_t q = 0; q < 16 * std::size_t{m}; ++q) {
+      const auto at = [&](std::size_t i) {
+        return surface.positions[surface.face_vertices[4 * q + i]];
+      };
+      EXPECT_NEAR(at(0).z, 1, 1e-14);
+      const double area = 0.5 * Cross(at(2) - at(0), at(3) - at(1)).z;
+      whole += area;
+      if (area < -1e-9) ++folded;
+    }
+    // The boundary is the outline all the same, so what folds covers nothing on the whole.
+    EXPECT_NEAR(whole, given, 1e-12 * given);
+    return folded;
+  };
+  EXPECT_EQ(folds({{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {2, 2, 0}, {2, 3, 0}, {0, 3, 0}}), 0U);
+  EXPECT_GT(
+      folds(
+          {{0, 0, 0}, {5, 0, 0}, {5, 1, 0}, {1, 1, 0}, {1, 4, 0}, {5, 4, 0}, {5, 5, 0}, {0, 5, 0}}),
+      0U);
+}
+
 // A power of two changes no digit of the feet, only whether squares of lengths are numbers.
 TEST(PlaneFaces, FeetOfTinyAndHugeModelsAreTheSame) {
   PolygonMesh cube = oracle::Cube();
