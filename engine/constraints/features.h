@@ -14,7 +14,7 @@
 // Doo-Sabin surface of one face inside the curve: planar, and bounded by the quadratic B-spline
 // whose control polygon are the feet. What the paper leaves open:
 //   Feet outside of their edge are taken to its nearer end; feet in the wrong order, both to their
-//   middle.
+//   middle; those on an edge without length are its ends.
 //   A vertex of two or more plane faces, of a plane face and the mesh's boundary, or of a plane
 //   face and to be interpolated, is a corner: the surface passes through it, and the curves end
 //   there. With one surface face between two plane ones that is the paper's 4 C - p_1 - p_2 - p_3,
@@ -26,9 +26,9 @@
 //   points are (3 V + V') / 4 and not its ends, which give the same line with derivatives that
 //   vanish.
 //   The images of a plane face only say how the flat region is parametrised: the mean of the
-//   curve's point at the vertex and of these points' mean. Faces have to be convex, or star-shaped
-//   about that mean: in others the region is planar and has its boundary, but it folds, and its
-//   tessellation covers parts of the plane more than once or beyond the boundary.
+//   curve's point at the vertex and of these points' mean. Faces have to be convex: in others the
+//   region is planar and has its boundary, but it may fold, so that its tessellation covers parts
+//   of the plane more than once or beyond the boundary.
 //   Plane faces that are not planar are made so first, by FlattenPlaneFaces; feet, and the images
 //   of the surface faces around, follow from the moved vertices.
 //   A mesh of plane faces only: every vertex is a corner, and the surface is the polyhedron.
@@ -83,9 +83,9 @@ class FeatureSurface {
   [[nodiscard]] static absl::StatusOr<FeatureSurface> Create(const Context& context,
                                                              HalfEdgeMesh mesh);
 
-  // Makes the surface of these values and points. Connectivity is kept, and all memory with it;
-  // only when other faces are plane than before it is cut anew. After an error the surface must be
-  // made again.
+  // Makes the surface of these values and points. Connectivity is kept, with its memory and that of
+  // the surface; only when other faces are plane than before it is cut anew. After an error the
+  // surface must be made again.
   //
   // Errors: those of MakeFeatureTable and FlattenPlaneFaces; INVALID_OPTION for normals and handles
   // at vertices of plane faces, and for interpolated vertices that are moved; CANCELLED,

@@ -6,10 +6,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
+#include "engine/base/error.h"
 #include "engine/constraints/feature_planes.h"
 #include "engine/constraints/features.h"
 #include "engine/interpolate.h"
@@ -198,8 +202,8 @@ TEST(PlaneFaces, WhatHasNoPlaneIsRefused) {
   for (std::size_t i = 0; i < 4; ++i) {
     line.positions[face[i]] = {static_cast<double>(i), 2 * static_cast<double>(i), 0};
   }
-  oracle::ExpectError(Refusal(line, Planes({3})),
-                      {Reason::kInvalidOption, "constraints.features.faces"});
+  oracle::ExpectError(Refusal(line, Planes({1, 3})),
+                      {Reason::kInvalidOption, "constraints.features.faces[1].kind", 1});
   EXPECT_NE(Refusal(line, Planes({3})).message().find("face 3 has no plane"),
             std::string_view::npos);
   // Four planes in general position around the tip.
@@ -213,7 +217,20 @@ TEST(PlaneFaces, WhatHasNoPlaneIsRefused) {
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_NE(status.message().find("far from planar"), std::string_view::npos) << status;
   EXPECT_NE(status.message().find("around vertex"), std::string_view::npos) << status;
-  oracle::ExpectError(status, {Reason::kInvalidOption, "constraints.features.faces"});
+  oracle::ExpectError(status, {Reason::kInvalidOption, "constraints.features.default_face"});
+  EXPECT_EQ(GetErrorDetail(status)->remedy, "Make some of them surface faces, or make them planar");
+  std::vector<Index> backwards;
+  for (auto f = static_cast<Index>(bent.face_count()); f-- > 0;) backwards.push_back(f);
+  const absl::Status named = Refusal(bent, Planes(backwards));
+  const std::uint64_t entry = GetErrorDetail(named)->index.value();
+  oracle::ExpectError(named, {Reason::kInvalidOption,
+                              absl::StrCat("constraints.features.faces[", entry, "].kind"), entry});
+  // The vertex is of the entry's face.
+  const std::string text(named.message());
+  const Index vertex = static_cast<Index>(
+      std::stoul(text.substr(text.find("around vertex ") + std::string("around vertex ").size())));
+  const absl::Span<const Index> around = bent.face(backwards[entry]);
+  EXPECT_EQ(std::count(around.begin(), around.end(), vertex), 1) << text;
 }
 
 TEST(PlaneFaces, InterpolatedVerticesAreCorners) {
@@ -277,52 +294,6 @@ TEST(PlaneFaces, FeetStayOnTheirEdgeAndInOrder) {
     if (t - s < 1e-12) ++at_an_end;
   }
   EXPECT_GT(at_an_end, 0U);
-}
-
-// An L-shaped or a C-shaped face and walls below it; the corners count as the outline's. Areas of
-// quads are signed, so a fold shows as a negative one.
-TEST(PlaneFaces, ConcaveOnesFoldUnlessStarShapedAboutTheirMiddle) {
-  const auto folds = [](const std::vector<Vec3>& outline) {
-    PolygonMesh mesh;
-    const auto m = static_cast<Index>(outline.size());
-    Buffer<Index> top;
-    Buffer<Index> bottom;
-    for (Index i = 0; i < m; ++i) {
-      mesh.positions.push_back(outline[i] + Vec3{0, 0, 1});
-      top.push_back(i);
-      bottom.push_back(2 * m - 1 - i);
-    }
-    for (const Vec3& p : outline) mesh.positions.push_back(p);
-    mesh.AddFace(top);
-    mesh.AddFace(bottom);
-    for (Index i = 0; i < m; ++i) {
-      const Index next = (i + 1) % m;
-      mesh.AddFace({next, i, m + i, m + next});
-    }
-    const InterpolateResult result = Made(mesh, {.default_face = FaceKind::kPlane}, 3);
-    double given = 0;
-    for (Index i = 0; i < m; ++i) given += 0.5 * Cross(outline[i], outline[(i + 1) % m]).z;
-    double whole = 0;
-    std::size_t folded = 0;
-    const Tessellation& surface = result.surface;
-    for (std::size_t q = 0; q < 16 * std::size_t{m}; ++q) {
-      const auto at = [&](std::size_t i) {
-        return surface.positions[surface.face_vertices[4 * q + i]];
-      };
-      EXPECT_NEAR(at(0).z, 1, 1e-14);
-      const double area = 0.5 * Cross(at(2) - at(0), at(3) - at(1)).z;
-      whole += area;
-      if (area < -1e-9) ++folded;
-    }
-    // The boundary is the outline all the same, so what folds covers nothing on the whole.
-    EXPECT_NEAR(whole, given, 1e-12 * given);
-    return folded;
-  };
-  EXPECT_EQ(folds({{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {2, 2, 0}, {2, 3, 0}, {0, 3, 0}}), 0U);
-  EXPECT_GT(
-      folds(
-          {{0, 0, 0}, {5, 0, 0}, {5, 1, 0}, {1, 1, 0}, {1, 4, 0}, {5, 4, 0}, {5, 5, 0}, {0, 5, 0}}),
-      0U);
 }
 
 // A power of two changes no digit of the feet, only whether squares of lengths are numbers.

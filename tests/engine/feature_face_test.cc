@@ -173,9 +173,10 @@ TEST(FeatureFace, VertexValueDividesTheWayToTheCrossing) {
 
 // After the W_i were put in sequence the divided points may be out of it again; the values decide.
 TEST(FeatureFace, DividedPointsAreNotSortedAgain) {
-  Face face = RegularPolygon(12);
-  // Next to each other on one side, so that the lines of the others cross far from there.
-  for (std::size_t i = 0; i < face.size(); ++i) face.edge[i] = i % 2 == 0 ? 0.02 : 0.9;
+  // One line far outside of the others, which cross it beyond their neighbours' vertices.
+  Face face = RegularPolygon(12, 0.9);
+  face.edge[0] = 0.02;
+  face.edge[1] = face.edge[11] = 0.95;
   const std::vector<Vec3> crossings = ImagesOf(face);
   ASSERT_TRUE(WindsOnce(crossings));
   std::size_t wrong = 0;
