@@ -13,6 +13,7 @@
 
 #include "server/job_cost.h"
 #include "server/lane.h"
+#include "tests/oracle/slowdown.h"
 #include "tests/server/certificates.h"
 #include "tests/server/service_fixture.h"
 
@@ -67,7 +68,8 @@ TEST(JobCostTest, IsWithinAnOrderOfMagnitudeOfTheTruth) {
         if (stage.stage() != "receive" && stage.stage() != "queue") took += stage.milliseconds();
       }
     }
-    EXPECT_LT(took, 10 * estimate) << level;
+    // On processors that do other things too.
+    EXPECT_LT(took, 20 * oracle::kSlowdown * oracle::kSlowdown * estimate) << level;
     EXPECT_GT(took, estimate / 10) << level;
   }
 }
