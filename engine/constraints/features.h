@@ -74,7 +74,10 @@ struct FeatureTask {
   Vec3 origin = {0, 0, 0};
 };
 
-// The surface of a mesh whose feature values and points may change again and again. Not
+// The surface of a mesh whose feature values and points may change again and again, in about half
+// of the time that it takes with its connectivity (FeatureValues and FeatureValuesAfresh of
+// tests/benchmarks/engine_benchmark.cc). What is made of surface().mesh alone, such as the fans and
+// the connectivity that refinement needs, stays good as long as cuts() is the same. Not
 // thread-safe.
 class FeatureSurface {
  public:

@@ -9,13 +9,16 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
-#include <random>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "engine/constraints/certificate.h"
 #include "engine/interpolate.h"
+#include "engine/limit/doo_sabin_limit.h"
+#include "engine/mesh/quad_split.h"
+#include "engine/refine/doo_sabin_refine.h"
+#include "tests/engine/feature_planes_testing.h"
 #include "tests/oracle/expect.h"
 #include "tests/oracle/features.h"
 #include "tests/oracle/open_meshes.h"
@@ -23,25 +26,6 @@
 
 namespace limn {
 namespace {
-
-// Values of all kinds: defaults, of elements, and of elements in faces.
-FeatureValues RandomValues(const HalfEdgeMesh& mesh, std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> value(0, 1);
-  const PolygonWalk walk(mesh);
-  FeatureValues values = {.default_edge = value(random), .default_vertex = value(random)};
-  for (Index h = 0; h < mesh.half_edge_count(); ++h) {
-    const Index v = mesh.vertex()[h];
-    if (random() % 2 == 0) {
-      values.edges.push_back({v, mesh.vertex()[walk.Next(h)], mesh.face()[h], value(random)});
-    }
-    if (random() % 3 == 0) values.vertices.push_back({v, mesh.face()[h], value(random)});
-    if (mesh.vertex_half_edge()[v] == h && random() % 3 == 0) {
-      values.vertices.push_back({v, std::nullopt, value(random)});
-    }
-  }
-  return values;
-}
 
 InterpolateOptions With(FeatureValues values, std::uint32_t level = 2) {
   InterpolateOptions options = {.level = level};
@@ -282,6 +266,35 @@ TEST(FeatureSurfaces, ChangedValuesKeepConnectivityAndMemory) {
   EXPECT_EQ(surface.cuts(), 2U);
   EXPECT_EQ(surface.surface().mesh.twin().data(), twins);
   EXPECT_TRUE(SameSurface(surface.surface(), fresh(first)));
+}
+
+// What belongs to the mesh - its fans, and the connectivity of finer steps - serves all values.
+TEST(FeatureSurfaces, WhatWasMadeOfTheMeshServesChangedValues) {
+  const PolygonMesh mesh = oracle::ClosedMesh("genus_three");
+  const Context context;
+  LIMN_ASSERT_OK_AND_ASSIGN(FeatureSurface surface,
+                            FeatureSurface::Create(context, oracle::BuildOrDie(mesh)));
+  LIMN_ASSERT_OK_AND_ASSIGN(const ExtraordinaryFans fans,
+                            FindExtraordinaryFans(context, surface.surface().mesh));
+  LIMN_ASSERT_OK_AND_ASSIGN(const HalfEdgeMesh split,
+                            SplitIntoQuads(context, surface.surface().mesh));
+  Buffer<Vec3> refined(split.half_edge_count());
+  Buffer<Vec3> points(split.vertex_count() + split.edge_count() + split.face_count());
+  Constraints constraints;
+  for (const std::uint64_t seed : {21, 22, 23}) {
+    constraints.features = RandomValues(surface.given(), seed);
+    ASSERT_TRUE(surface.Make(context, {.points = mesh.positions, .constraints = constraints}).ok());
+    ASSERT_TRUE(RefineDooSabin(context, {.mesh = surface.surface().mesh, .fans = fans, .k = 1},
+                               surface.surface().corners, absl::MakeSpan(refined))
+                    .ok());
+    ASSERT_TRUE(DooSabinLimit(context, {.mesh = split, .fans = fans, .k = 2}, refined,
+                              {.points = absl::MakeSpan(points)})
+                    .ok());
+    LIMN_ASSERT_OK_AND_ASSIGN(const InterpolateResult expected,
+                              Interpolate(context, mesh, With(*constraints.features)));
+    EXPECT_EQ(points, expected.surface.positions) << seed;
+  }
+  EXPECT_EQ(surface.cuts(), 0U);
 }
 
 TEST(FeatureSurfaces, AnErrorDoesNotSpoilTheNext) {
