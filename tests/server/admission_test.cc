@@ -349,9 +349,9 @@ TEST(AdmissionTest, EstimateCountsConstraints) {
 
 TEST(AdmissionTest, EstimateCountsTheListsOfWhatIsSharp) {
   JobSpec spec;
-  spec.mesh.set_vertex_count(1000);
-  spec.mesh.set_face_count(1000);
-  spec.mesh.set_corner_count(4000);
+  spec.mesh.set_vertex_count(100'000);
+  spec.mesh.set_face_count(100'000);
+  spec.mesh.set_corner_count(400'000);
   const std::uint64_t without = EstimateJobBytes(spec);
   CreaseConstraint crease;
   crease.vertices.resize(100'000);
