@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 // limnd: flags, start, signals, end.
+#include <google/protobuf/stubs/logging.h>
+#include <grpc/support/log.h>
 #include <pthread.h>
 #include <sys/resource.h>
 #include <unistd.h>
 #include <CLI/CLI.hpp>
 
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -17,6 +20,7 @@
 #include <thread>
 #include <vector>
 
+#include "absl/cleanup/cleanup.h"
 #include "engine/base/error.h"
 #include "engine/base/heap.h"
 #include "server/limits.h"
@@ -93,6 +97,17 @@ std::string UsageMessage(const CLI::App& app, const CLI::ParseError& error) {
   return "limnd: " + message + "; see 'limnd --help'";
 }
 
+// Where libraries' lines go; null until there is a log, and again at its end.
+std::atomic<Log*> library_log{nullptr};
+
+// What libraries say, that of failed handshakes for instance, is lines of the log as all others,
+// and not what clients can fill standard error with.
+void TakeLibraryLog(gpr_log_func_args* line) {
+  Log* const log = library_log.load();
+  if (log == nullptr || line->severity < GPR_LOG_SEVERITY_ERROR) return;
+  log->Debug(LogLine("grpc").Add("message", line->message));
+}
+
 // Whole or not at all: whoever waits for the file never reads half a number.
 bool WritePortFile(const std::string& path, int port) {
   const std::string temporary = path + ".tmp" + std::to_string(getpid());
@@ -147,6 +162,11 @@ int Run(const Flags& flags, const sigset_t& signals) {
     return kExitUsage;
   }
   RaiseDescriptorLimit();
+  library_log.store(log->get());
+  const absl::Cleanup end_library_log = [] { library_log.store(nullptr); };
+  gpr_set_log_function(TakeLibraryLog);
+  // Strings that are no UTF-8 are refused; there is no more to say of them.
+  google::protobuf::SetLogHandler(nullptr);
 
   ServerOptions options = flags.server;
   options.log = *log;
