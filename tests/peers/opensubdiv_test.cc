@@ -224,10 +224,10 @@ class LimitComparison {
     if (faces > (Loop() ? 3U : 2U)) return false;
     const double along = Loop() ? 3 : 1;
     const double across = Loop() || faces == 1 ? 3 : 1;
-    // Where the curve of one face is straight, theirs are parallel.
+    // Where the curve of one quad is straight, theirs are parallel, which ours are not.
     const bool straight =
         !Loop() && faces == 1 &&
-        Norm(Cross(theirs_.u[v], theirs_.v[v])) <= 1e-3 * Dot(theirs_.u[v], theirs_.u[v]);
+        Norm(Cross(theirs_.u[v], theirs_.v[v])) <= 1e-2 * Norm(Cross(theirs_.u[v], tangents_[v].v));
     ExpectTangents(v, along * tangents_[v].u, straight ? theirs_.v[v] : across * tangents_[v].v);
     return true;
   }
