@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -102,6 +103,40 @@ TEST_P(FeatureSurfaceTest, InterpolatedVerticesAndNormalsAreMet) {
 }
 
 LIMN_FOR_CLOSED_MESHES(FeatureSurfaceTest);
+
+double AreaOf(const Tessellation& surface) {
+  double area = 0;
+  for (std::size_t q = 0; q < surface.face_count(); ++q) {
+    const auto at = [&](std::size_t i) {
+      return surface.positions[surface.face_vertices[4 * q + i]];
+    };
+    area += 0.5 *
+            (Norm(Cross(at(1) - at(0), at(2) - at(0))) + Norm(Cross(at(2) - at(0), at(3) - at(0))));
+  }
+  return area;
+}
+
+// The ends of the values' range, on the cube of (+-1, +-1, +-1): with EFV or VFV 0 everywhere it is
+// the polyhedron, covered once; with 1 all images of a face are its centroid, and it is the dual
+// one, the octahedron.
+TEST(FeatureSurfaces, AtTheEndsOfTheRangeAreThePolyhedronAndItsDual) {
+  const PolygonMesh cube = oracle::Moved(oracle::Cube(), 2, {-1, -1, -1});
+  for (const FeatureValues& values : {FeatureValues{.default_edge = 0, .default_vertex = 1},
+                                      FeatureValues{.default_edge = 0.7, .default_vertex = 0}}) {
+    LIMN_ASSERT_OK_AND_ASSIGN(const InterpolateResult sharp,
+                              Interpolate(Context{}, cube, With(values, 4)));
+    for (const Vec3& p : sharp.surface.positions) ASSERT_NEAR(MaxAbs(p), 1, 1e-15);
+    for (std::size_t v = 0; v < 8; ++v) EXPECT_EQ(sharp.surface.positions[v], cube.positions[v]);
+    EXPECT_NEAR(AreaOf(sharp.surface), 24, 1e-12);
+  }
+  LIMN_ASSERT_OK_AND_ASSIGN(
+      const InterpolateResult dual,
+      Interpolate(Context{}, cube, With({.default_edge = 1, .default_vertex = 1}, 4)));
+  for (const Vec3& p : dual.surface.positions) {
+    ASSERT_NEAR(std::fabs(p.x) + std::fabs(p.y) + std::fabs(p.z), 1, 1e-15);
+  }
+  EXPECT_NEAR(AreaOf(dual.surface), 4 * std::sqrt(3.0), 1e-12);
+}
 
 TEST(FeatureSurfaces, NothingIsInterpolatedOrCertifiedByDefault) {
   const PolygonMesh cube = oracle::Cube();
