@@ -99,24 +99,21 @@ std::string Json(const Report& report) {
 void WriteRatios(const Report& report, const std::string& folder) {
   for (const TaskInfo& task : AllTasks()) {
     const Meshes meshes = task.triangles_only ? Meshes::kTriangles : Meshes::kPolygons;
-    std::ofstream file(absl::StrCat(folder, "/ratios-", task.name, ".tsv"));
-    bool any = false;
+    std::string titles;
+    std::string rows;
     for (const Cell& cell : report.cells) {
       if (cell.task != task.task || cell.meshes != meshes) continue;
-      if (!any) {
-        file << "vertices";
-        for (const Outcome& outcome : cell.outcomes) {
-          file << "\t" << outcome.name << (outcome.threads == 1 ? "" : ", 2 threads");
-        }
-        file << "\n";
-        any = true;
-      }
-      file << cell.vertices;
+      titles = "vertices";
+      absl::StrAppend(&rows, cell.vertices);
       for (const Outcome& outcome : cell.outcomes) {
-        file << "\t" << (outcome.missing.empty() ? Number(outcome.over_limn[0]) : "NaN");
+        absl::StrAppend(&titles, "\t", outcome.name, outcome.threads == 1 ? "" : ", 2 threads");
+        absl::StrAppend(&rows, "\t",
+                        outcome.missing.empty() ? Number(outcome.over_limn[0]) : "NaN");
       }
-      file << "\n";
+      rows += "\n";
     }
+    if (rows.empty()) continue;
+    std::ofstream(absl::StrCat(folder, "/ratios-", task.name, ".tsv")) << titles << "\n" << rows;
   }
 }
 
