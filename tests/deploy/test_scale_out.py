@@ -37,8 +37,8 @@ class ScaleOut(unittest.TestCase):
         self.servers.append(Limnd(self.network, number, *flags))
         return self.servers[-1]
 
-    def submit(self, jobs):
-        return Jobs(self.network, self.target(), self.mesh, jobs)
+    def submit(self, jobs, **options):
+        return Jobs(self.network, self.target(), self.mesh, jobs, **options)
 
     def counts(self):
         return [server.done()[0] for server in self.servers]
@@ -69,6 +69,14 @@ class Common:
         counts = self.check(self.submit(900).finish(), "nothing", before)
         self.assertGreaterEqual(min(counts), 0.8 * 300, counts)
         self.assertLessEqual(max(counts), 1.2 * 300, counts)
+
+    def test_uploads_of_one_connection_do_not_stop_each_other(self):
+        self.mesh = os.path.join(self.folder, "large.obj")
+        run(f"{BIN}/limn", "generate", "irregular_sphere", "--vertices", "20000", "-o", self.mesh)
+        before = self.counts()
+        result = self.submit(200, parallel=24, level=1).finish()
+        self.check(result, "24 uploads of 880 KB at a time", before)
+        self.assertLess(result["slowest"], 20)
 
     def test_kill(self):
         before = self.counts()
