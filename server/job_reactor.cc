@@ -8,7 +8,6 @@
 #include "engine/base/guard.h"
 #include "proto/wire/status.h"
 #include "server/deadline.h"
-#include "server/job_memory.h"
 
 namespace limn {
 namespace {
@@ -19,7 +18,6 @@ constexpr std::chrono::milliseconds kProgressInterval(100);
 // gRPC's clock, which ends calls at their deadline, and ours are not the same.
 constexpr std::chrono::milliseconds kClockSlack(10);
 
-using Milliseconds = std::chrono::duration<double, std::milli>;
 using Seconds = std::chrono::duration<double>;
 
 // Whether the message is one of the job's own, not one about it.
@@ -45,9 +43,8 @@ JobReactor<Rpc>::JobReactor(ServiceCore& core, grpc::CallbackServerContext* cont
       deadline_(DeadlineOf(context->raw_deadline())),
       caller_(IdentifyCaller(*context, core.tokens.get())),
       watch_(core.limits, Clock::now()),
-      request_id_(caller_.request_id),
-      start_(Clock::now()),
-      phase_start_(start_) {}
+      run_(core, caller_, deadline_),
+      start_(Clock::now()) {}
 
 template <class Rpc>
 void JobReactor<Rpc>::Start() {
@@ -96,19 +93,17 @@ void JobReactor<Rpc>::RunJob() {
   {
     const Lock lock(mutex_);
     if (end_.has_value()) {
-      ticket_.place.Release();
+      run_.EndRun();
       return;
     }
     phase_ = Phase::kRunning;
-    const Milliseconds waited = Clock::now() - phase_start_;
-    job_->AddStage("queue", waited.count());
-    core_.metrics.ObserveQueueWait(ticket_.lane->name(), waited.count() / 1000);
+    run_.BeginRun();
   }
   const absl::Status status =
-      Guarded("running the job", Reason::kInternal, [&] { return Compute(); });
+      Guarded("running the job", Reason::kInternal, [&] { return run_.Compute(); });
 
   const Lock lock(mutex_);
-  ticket_.place.Release();
+  run_.EndRun();
   phase_ = Phase::kDelivering;
   watch_.Touch(Clock::now());
   progress_.reset();
@@ -121,34 +116,6 @@ void JobReactor<Rpc>::RunJob() {
   } else {
     End(status);
   }
-}
-
-// Nobody else touches the job, the upload or the ticket's memory while it runs. The memory set
-// aside grows with what is known: a Draco mesh need not have claimed its counts.
-template <class Rpc>
-absl::Status JobReactor<Rpc>::Compute() {
-  Admission::Reservation* const memory = &ticket_.memory;
-  std::string encoded = upload_->TakeBytes();
-  LIMN_ASSIGN_OR_RETURN(const std::uint64_t decoding, EstimateDecodeBytes(spec_, encoded));
-  const auto grow = [&](std::uint64_t bytes) {
-    absl::Status status = core_.admission.Grow(bytes, memory);
-    core_.metrics.CountAdmissionReject(status);
-    return status;
-  };
-  LIMN_RETURN_IF_ERROR(grow(decoding));
-  if (absl::Status status = job_->Decode(std::move(encoded)); !status.ok()) {
-    core_.metrics.CountDecodeReject(status);
-    return status;
-  }
-  LIMN_RETURN_IF_ERROR(grow(EstimateJobBytes(job_->spec())));
-  {
-    const Lock lock(mutex_);
-    spec_.mesh = job_->spec().mesh;
-  }
-  LIMN_RETURN_IF_ERROR(job_->Run());
-  // A level may have been chosen that is coarser than the finest one that was set aside for.
-  memory->Shrink(EstimateJobBytes(job_->spec()));
-  return absl::OkStatus();
 }
 
 template <class Rpc>
@@ -167,12 +134,12 @@ void JobReactor<Rpc>::TakeProgress(const ProgressEvent& event) {
 template <class Rpc>
 bool JobReactor<Rpc>::FeedJob() {
   if constexpr (Rpc::kTakesInput) {
-    while (job_->NeedsInput()) {
+    while (run_.job()->NeedsInput()) {
       if (input_.has_value()) {
-        job_->AddInput(*std::exchange(input_, std::nullopt));
+        run_.job()->AddInput(*std::exchange(input_, std::nullopt));
         if (read_paused_) ReadMore();
       } else if (input_ended_) {
-        job_->EndInput();
+        run_.job()->EndInput();
       } else {
         return false;
       }
@@ -185,7 +152,7 @@ template <class Rpc>
 bool JobReactor<Rpc>::WaitsForInput() const {
   if constexpr (Rpc::kTakesInput) {
     return phase_ == Phase::kDelivering && !encoding_ && !end_.has_value() && encoded_.empty() &&
-           job_->NeedsInput() && !input_.has_value() && !input_ended_;
+           run_.job()->NeedsInput() && !input_.has_value() && !input_ended_;
   } else {
     return false;
   }
@@ -203,9 +170,7 @@ template <class Rpc>
 void JobReactor<Rpc>::EncodeNext() {
   // The job is this task's alone while `encoding_` is set.
   auto message = std::make_unique<Response>();
-  const absl::StatusOr<bool> more =
-      Guarded("encoding the answer", Reason::kInternal,
-              [&]() -> absl::StatusOr<bool> { return job_->NextMessage(message.get()); });
+  const absl::StatusOr<bool> more = run_.NextMessage(message.get());
 
   const Lock lock(mutex_);
   encoding_ = false;
@@ -234,8 +199,8 @@ void JobReactor<Rpc>::TryWrite() {
   if (end_.has_value()) {
     finished_ = true;
     watch_.BeginWrite(Clock::now(), false);
-    context_->AddTrailingMetadata(kRequestIdKey, request_id_);
-    this->Finish(wire::ToGrpcStatus(*end_, request_id_));
+    context_->AddTrailingMetadata(kRequestIdKey, run_.request_id());
+    this->Finish(wire::ToGrpcStatus(*end_, run_.request_id()));
   } else if (!encoded_.empty()) {
     std::unique_ptr<Response> message = std::move(encoded_.front());
     encoded_.pop_front();
@@ -264,7 +229,7 @@ void JobReactor<Rpc>::Write(std::unique_ptr<Response> message) {
       core_.metrics.ObserveFirstTile(Seconds(write_start_ - start_).count());
     }
   }
-  if (!std::exchange(named_, true)) context_->AddInitialMetadata(kRequestIdKey, request_id_);
+  if (!std::exchange(named_, true)) context_->AddInitialMetadata(kRequestIdKey, run_.request_id());
   this->StartWrite(writing_.get());
 }
 
@@ -309,7 +274,7 @@ void JobReactor<Rpc>::End(const absl::Status& status) {
   if (end_.has_value()) return;
   end_ = status;
   ended_at_ = Clock::now();
-  stop_.Cancel();
+  run_.Stop(phase_ == Phase::kRunning, ended_at_);
   for (const auto& message : encoded_) {
     if (!IsAnswer(*message)) continue;
     core_.metrics.AddInflight(-static_cast<std::int64_t>(message->ByteSizeLong()));
@@ -317,19 +282,13 @@ void JobReactor<Rpc>::End(const absl::Status& status) {
   encoded_.clear();
   progress_.reset();
   input_.reset();
-  ticket_.upload.Release();
-  if (phase_ == Phase::kRunning) {
-    ticket_.place.StopRequested(ended_at_);
-  } else {
-    ticket_.place.Release();
-  }
   TryWrite();
   if (read_paused_) ReadMore();
 }
 
 template <class Rpc>
 WorkerThreads& JobReactor<Rpc>::delivery() {
-  return (ticket_.lane != nullptr ? *ticket_.lane : core_.lanes.batch).delivery();
+  return (run_.lane() != nullptr ? *run_.lane() : core_.lanes.batch).delivery();
 }
 
 template class JobReactor<InterpolateRpc>;

@@ -16,10 +16,10 @@
 
 #include "absl/status/status.h"
 #include "engine/base/context.h"
-#include "proto/wire/chunks.h"
 #include "server/caller.h"
 #include "server/client_watch.h"
 #include "server/job_rpcs.h"
+#include "server/job_run.h"
 #include "server/service_core.h"
 
 namespace limn {
@@ -70,12 +70,10 @@ class JobReactor final
   [[nodiscard]] absl::Status TakeChunk(const v1::MeshChunk& chunk);
   [[nodiscard]] absl::Status TakeInput();
   [[nodiscard]] absl::Status EndOfRequests();
-  [[nodiscard]] Context MakeContext();
   [[nodiscard]] absl::Status Enqueue();
 
   // Tasks of the lane and of the delivery threads. Without the mutex.
   void RunJob();
-  [[nodiscard]] absl::Status Compute();
   void EncodeNext();
   void TakeProgress(const ProgressEvent& event);
 
@@ -88,8 +86,6 @@ class JobReactor final
   void WriteProgress();
   void End(const absl::Status& status);
   [[nodiscard]] absl::Status CancelledStatus() const;
-  void CountEnd(const absl::Status& status);
-  void LogEnd();
   [[nodiscard]] absl::Status CheckTimes(Clock::time_point now) const;
   WorkerThreads& delivery();
 
@@ -102,23 +98,14 @@ class JobReactor final
   Phase phase_ = Phase::kHeader;
   ClientWatch watch_;
 
-  // Upload.
   Request request_;
-  std::string request_id_;
-  JobSpec spec_;
-  std::optional<wire::ChunkAssembler> upload_;
+  JobRun<Rpc> run_;
   const Clock::time_point start_;
-  Clock::time_point phase_start_;
 
   // Input after the upload.
   std::optional<Request> input_;
   bool input_ended_ = false;
   bool read_paused_ = false;
-
-  // Job. `stop_` reaches it while it runs.
-  Admission::Ticket ticket_;
-  Context stop_;
-  std::unique_ptr<typename Rpc::Job> job_;
 
   // Answer.
   std::deque<std::unique_ptr<Response>> encoded_;

@@ -9,8 +9,6 @@
 namespace limn {
 namespace {
 
-using Milliseconds = std::chrono::duration<double, std::milli>;
-
 absl::Status Malformed(std::string_view message, std::string_view remedy) {
   return MakeError(message, {.reason = Reason::kMalformedRequest, .remedy = std::string(remedy)});
 }
@@ -57,26 +55,12 @@ absl::Status JobReactor<Rpc>::TakeInput() {
 
 template <class Rpc>
 absl::Status JobReactor<Rpc>::TakeHeader(const v1::InterpolateHeader& header) {
-  LIMN_ASSIGN_OR_RETURN(spec_, Rpc::Spec(header));
-  if (spec_.request_id.empty()) spec_.request_id = request_id_;
-  request_id_ = spec_.request_id;
-  FitFinestLevel(EngineLimits(core_.limits), &spec_);
-  absl::StatusOr<Admission::Ticket> ticket = core_.admission.Admit(spec_, caller_.client);
-  core_.metrics.CountAdmissionReject(ticket.status());
-  LIMN_ASSIGN_OR_RETURN(ticket_, std::move(ticket));
-  upload_.emplace(spec_.mesh.byte_count());
-  phase_ = Phase::kUpload;
-  phase_start_ = Clock::now();
-  watch_.BeginUpload(phase_start_);
-
   auto message = std::make_unique<Response>();
-  v1::Accepted* accepted = message->mutable_accepted();
-  accepted->set_request_id(request_id_);
-  accepted->set_server_version(LIMN_VERSION);
-  accepted->set_estimated_bytes(ticket_.estimate);
-  accepted->set_queue_position(static_cast<std::uint32_t>(ticket_.position));
-  accepted->set_lane(ticket_.lane->name());
-  accepted->set_estimated_milliseconds(ticket_.request.milliseconds);
+  const absl::Status status = run_.TakeHeader(header, message->mutable_accepted());
+  core_.metrics.CountAdmissionReject(status);
+  LIMN_RETURN_IF_ERROR(status);
+  phase_ = Phase::kUpload;
+  watch_.BeginUpload(Clock::now());
   encoded_.push_back(std::move(message));
   TryWrite();
   return absl::OkStatus();
@@ -85,8 +69,8 @@ absl::Status JobReactor<Rpc>::TakeHeader(const v1::InterpolateHeader& header) {
 template <class Rpc>
 absl::Status JobReactor<Rpc>::TakeChunk(const v1::MeshChunk& chunk) {
   watch_.Uploaded(chunk.data().size());
-  LIMN_RETURN_IF_ERROR(upload_->Add(chunk));
-  return upload_->complete() ? Enqueue() : absl::OkStatus();
+  LIMN_RETURN_IF_ERROR(run_.TakeChunk(chunk));
+  return run_.upload_complete() ? Enqueue() : absl::OkStatus();
 }
 
 template <class Rpc>
@@ -96,8 +80,8 @@ absl::Status JobReactor<Rpc>::EndOfRequests() {
     case Phase::kHeader:
       return Malformed("the stream ended before the header", "Send a header and the mesh's chunks");
     case Phase::kUpload:
-      return Malformed(absl::StrCat("the upload ended after ", upload_->bytes().size(), " of ",
-                                    spec_.mesh.byte_count(), " bytes of the mesh"),
+      return Malformed(absl::StrCat("the upload ended after ", run_.bytes_uploaded(), " of ",
+                                    run_.bytes_expected(), " bytes of the mesh"),
                        "Send all chunks and set `last` on the last one");
     case Phase::kQueued:
     case Phase::kRunning:
@@ -109,26 +93,15 @@ absl::Status JobReactor<Rpc>::EndOfRequests() {
 }
 
 template <class Rpc>
-Context JobReactor<Rpc>::MakeContext() {
-  Context context(EngineLimits(core_.limits));
-  if (deadline_.has_value()) context.set_deadline(*deadline_);
-  stop_ = context;
-  context.set_progress([this](const ProgressEvent& event) { TakeProgress(event); });
-  return context;
-}
-
-template <class Rpc>
 absl::Status JobReactor<Rpc>::Enqueue() {
-  absl::Status status = core_.admission.Enqueue(&ticket_);
+  // Before the job can run, which wants the mutex.
+  const absl::Status status =
+      run_.Enqueue([this](const ProgressEvent& event) { TakeProgress(event); },
+                   [self = this->shared_from_this()] { self->RunJob(); });
   core_.metrics.CountAdmissionReject(status);
   LIMN_RETURN_IF_ERROR(status);
-  const Clock::time_point now = Clock::now();
-  job_ = std::make_unique<typename Rpc::Job>(spec_, MakeContext());
-  job_->AddStage("receive", Milliseconds(now - phase_start_).count());
-  phase_start_ = now;
   phase_ = Phase::kQueued;
-  watch_.EndUpload(now);
-  ticket_.place.Post([self = this->shared_from_this()] { self->RunJob(); });
+  watch_.EndUpload(Clock::now());
   return absl::OkStatus();
 }
 

@@ -41,6 +41,7 @@
 // there), smooth vertices of valence 2 (it takes the vertex itself), meshes with other faces than
 // quads. Tangents, beyond scale and choice of the first edge: darts;
 // boundaries and creases of 3 quads or 4 triangles or more (its masks belong to other rules);
+// boundary vertices of one quad whose curve is straight (its two tangents are parallel there);
 // corners, where it takes the first two edges rather than the two sharp ones; normals at creases
 // inside the mesh, where it answers for one side. Everything else is equal to rounding.
 #pragma once

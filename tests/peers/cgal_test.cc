@@ -10,6 +10,7 @@
 #include "engine/refine/doo_sabin_refine.h"
 #include "tests/oracle/creased_level.h"
 #include "tests/peers/cgal.h"
+#include "tests/peers/peer_meshes.h"
 
 namespace limn {
 namespace {
@@ -42,10 +43,12 @@ void ExpectSamePoints(absl::Span<const Vec3> ours, std::vector<Vec3> theirs, dou
 
 // Without symmetry, which would let points take each other's place.
 PolygonMesh Given(const std::string& name) {
-  return oracle::Jittered(oracle::AnyMesh(name), 17, 0.05);
+  return oracle::Jittered(peers::PeerMesh(name), 17, 0.05);
 }
 double ToleranceFor(const PolygonMesh& mesh) {
-  return 2e-15 * static_cast<double>(oracle::Diagonal(oracle::FromVec3(mesh.positions)));
+  double largest = 0;
+  for (const Vec3& p : mesh.positions) largest = std::max(largest, MaxAbs(p));
+  return 4e-15 * largest;
 }
 
 class CgalTest : public testing::TestWithParam<std::string> {};
@@ -92,16 +95,18 @@ TEST_P(CgalClosedTest, HasTheSameDooSabinRefinement) {
   }
 }
 
-std::vector<std::string> SmallOnes(std::vector<std::string> names) {
-  std::erase_if(names,
-                [](const std::string& name) { return oracle::AnyMesh(name).vertex_count() > 60; });
+std::vector<std::string> ClosedNames() {
+  std::vector<std::string> names = peers::PeerMeshNames(oracle::ClosedMeshNames());
+  std::erase_if(names, [](const std::string& name) {
+    return oracle::BuildOrDie(peers::PeerMesh(name)).boundary_edge_count() > 0;
+  });
   return names;
 }
-INSTANTIATE_TEST_SUITE_P(All, CgalTest, testing::ValuesIn(SmallOnes(oracle::AllMeshNames())),
-                         [](const auto& mesh) { return mesh.param; });
-INSTANTIATE_TEST_SUITE_P(All, CgalClosedTest,
-                         testing::ValuesIn(SmallOnes(oracle::ClosedMeshNames())),
-                         [](const auto& mesh) { return mesh.param; });
+INSTANTIATE_TEST_SUITE_P(All, CgalTest,
+                         testing::ValuesIn(peers::PeerMeshNames(oracle::AllMeshNames())),
+                         [](const auto& mesh) { return peers::TestName(mesh.param); });
+INSTANTIATE_TEST_SUITE_P(All, CgalClosedTest, testing::ValuesIn(ClosedNames()),
+                         [](const auto& mesh) { return peers::TestName(mesh.param); });
 
 }  // namespace
 }  // namespace limn
