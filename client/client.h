@@ -122,6 +122,9 @@ class Client {
 
   [[nodiscard]] absl::StatusOr<v1::GetServerInfoResponse> GetServerInfo() const;
 
+  const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
+  const ClientOptions& options() const { return options_; }
+
  private:
   std::shared_ptr<grpc::Channel> channel_;
   ClientOptions options_;
