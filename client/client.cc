@@ -8,16 +8,40 @@
 
 #include "client/client_call.h"
 #include "client/result_collector.h"
+#include "client/retry.h"
 #include "engine/base/error.h"
 #include "limn/v1/limn.grpc.pb.h"
 #include "proto/wire/status.h"
 
 namespace limn {
+namespace {
+
+// One attempt. *stopped: whether on_progress gave up.
+absl::StatusOr<JobResult> RunOnce(const Client& client, const v1::InterpolateHeader& header,
+                                  const PolygonMesh& mesh,
+                                  const Client::ProgressCallback& on_progress, bool* stopped) {
+  LIMN_ASSIGN_OR_RETURN(ClientJob job, client.Submit(header, mesh));
+  ResultCollector collector;
+  while (std::optional<v1::InterpolateResponse> message = job.Next()) {
+    if (message->has_progress() && on_progress && !on_progress(message->progress())) {
+      *stopped = true;
+      job.Cancel();
+    }
+    if (absl::Status status = collector.Add(*std::move(message)); !status.ok()) return status;
+  }
+  LIMN_RETURN_IF_ERROR(job.Finish());
+  return collector.Finish();
+}
+
+}  // namespace
 
 template class ClientCall<v1::InterpolateRequest, v1::InterpolateResponse>;
 
 Client Client::Connect(const std::string& address, const ClientOptions& options) {
-  return Client(*MakeChannel(address, {}), options);
+  absl::StatusOr<std::shared_ptr<grpc::Channel>> channel = MakeChannel(address, {});
+  // What is no address of ours may be one of gRPC's, or fails with the first call.
+  if (!channel.ok()) channel = grpc::CreateChannel(address, grpc::InsecureChannelCredentials());
+  return Client(*std::move(channel), options);
 }
 
 absl::StatusOr<Client> Client::ConnectSecurely(const std::string& address,
@@ -48,16 +72,15 @@ absl::StatusOr<ClientJob> Client::Submit(v1::InterpolateHeader header,
       }));
 }
 
-absl::StatusOr<JobResult> Client::Run(v1::InterpolateHeader header, const PolygonMesh& mesh,
+absl::StatusOr<JobResult> Client::Run(const v1::InterpolateHeader& header, const PolygonMesh& mesh,
                                       const ProgressCallback& on_progress) const {
-  LIMN_ASSIGN_OR_RETURN(ClientJob job, Submit(std::move(header), mesh));
-  ResultCollector collector;
-  while (std::optional<v1::InterpolateResponse> message = job.Next()) {
-    if (message->has_progress() && on_progress && !on_progress(message->progress())) job.Cancel();
-    if (absl::Status status = collector.Add(*std::move(message)); !status.ok()) return status;
+  bool stopped = false;
+  Attempts attempts(options_, [&stopped] { return stopped; });
+  while (true) {
+    absl::StatusOr<JobResult> result =
+        RunOnce(With(attempts.NextOptions()), header, mesh, on_progress, &stopped);
+    if (result.ok() || stopped || !attempts.Again(result.status())) return result;
   }
-  LIMN_RETURN_IF_ERROR(job.Finish());
-  return collector.Finish();
 }
 
 absl::StatusOr<v1::GetServerInfoResponse> Client::GetServerInfo() const {

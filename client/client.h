@@ -79,6 +79,9 @@ struct EvaluateResult {
 struct ClientOptions {
   // Time limit of a job, in seconds; 0 is none.
   double deadline_seconds = 0;
+  // How often Run and Evaluate begin a job at the most whose server went away, each time on the
+  // next server where there are several; see client/retry.h.
+  int attempts = 4;
   // Bytes per chunk of the upload, 1 to 1 MiB.
   std::uint32_t chunk_bytes = 512U << 10;
   // Metadata of every call, in ASCII: "authorization: Bearer TOKEN", "traceparent" and the like.
@@ -89,7 +92,9 @@ struct ClientOptions {
 // A connection. Thread-safe: several jobs may run on it at once.
 class Client {
  public:
-  // address: HOST:PORT. Connects when the first job needs it.
+  // address: one server or several that take turns, as ParseServers of client/servers.h has it.
+  // Other targets of gRPC, such as "unix:PATH", are passed on as they are. Connects when the first
+  // job needs it.
   static Client Connect(const std::string& address, const ClientOptions& options = {});
   // The same with TLS, a certificate, a token. Errors: INVALID_OPTION; see MakeChannel. What the
   // server thinks of them is seen with the first call.
@@ -104,9 +109,11 @@ class Client {
   [[nodiscard]] absl::StatusOr<ClientJob> Submit(v1::InterpolateHeader header,
                                                  const PolygonMesh& mesh) const;
 
-  // Submits, collects, finishes. on_progress: called for each progress message; false cancels.
+  // Submits, collects, finishes, and begins again, up to `attempts` times, where the server went
+  // away. on_progress: called for each progress message; false cancels.
   using ProgressCallback = std::function<bool(const v1::Progress&)>;
-  [[nodiscard]] absl::StatusOr<JobResult> Run(v1::InterpolateHeader header, const PolygonMesh& mesh,
+  [[nodiscard]] absl::StatusOr<JobResult> Run(const v1::InterpolateHeader& header,
+                                              const PolygonMesh& mesh,
                                               const ProgressCallback& on_progress = {}) const;
 
   // As Submit, for the samples of the job's surface at these parameters. The header asks for no
@@ -115,15 +122,22 @@ class Client {
       v1::InterpolateHeader header, const PolygonMesh& mesh,
       std::vector<SurfaceParameter> parameters) const;
 
-  // Submits, collects, finishes.
+  // Submits, collects, finishes, and begins again as Run does.
   [[nodiscard]] absl::StatusOr<EvaluateResult> Evaluate(
-      v1::InterpolateHeader header, const PolygonMesh& mesh,
-      std::vector<SurfaceParameter> parameters, const ProgressCallback& on_progress = {}) const;
+      const v1::InterpolateHeader& header, const PolygonMesh& mesh,
+      const std::vector<SurfaceParameter>& parameters,
+      const ProgressCallback& on_progress = {}) const;
 
   [[nodiscard]] absl::StatusOr<v1::GetServerInfoResponse> GetServerInfo() const;
 
+  // Whether a server, of several at least one, says of this service that it serves, by
+  // grpc.health.v1: "" and "limn.v1.LimnService" are readiness, "liveness" is what its name says.
+  [[nodiscard]] absl::StatusOr<bool> Serves(const std::string& service) const;
+
   const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
   const ClientOptions& options() const { return options_; }
+  // The same connection, with other options.
+  Client With(const ClientOptions& options) const { return Client(channel_, options); }
 
  private:
   std::shared_ptr<grpc::Channel> channel_;

@@ -12,6 +12,10 @@ absl::Status CheckClientOptions(const ClientOptions& options) {
     return MakeError("chunk_bytes is not in [1, 1 MiB]",
                      {.reason = Reason::kInvalidOption, .field = "chunk_bytes"});
   }
+  if (options.attempts < 1) {
+    return MakeError("attempts is less than 1",
+                     {.reason = Reason::kInvalidOption, .field = "attempts"});
+  }
   if (!(options.deadline_seconds >= 0)) {
     return MakeError("deadline_seconds is negative or no number",
                      {.reason = Reason::kInvalidOption, .field = "deadline_seconds"});

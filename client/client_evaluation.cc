@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/types/span.h"
 #include "client/client_call.h"
+#include "client/retry.h"
 #include "engine/base/error.h"
 #include "proto/wire/samples.h"
 
@@ -81,14 +82,23 @@ absl::StatusOr<EvaluateResult> CollectEvaluation(ClientEvaluation* call, std::si
   return result;
 }
 
-absl::StatusOr<EvaluateResult> Client::Evaluate(v1::InterpolateHeader header,
+absl::StatusOr<EvaluateResult> Client::Evaluate(const v1::InterpolateHeader& header,
                                                 const PolygonMesh& mesh,
-                                                std::vector<SurfaceParameter> parameters,
+                                                const std::vector<SurfaceParameter>& parameters,
                                                 const ProgressCallback& on_progress) const {
-  const std::size_t asked = parameters.size();
-  LIMN_ASSIGN_OR_RETURN(ClientEvaluation call,
-                        SubmitEvaluation(std::move(header), mesh, std::move(parameters)));
-  return CollectEvaluation(&call, asked, on_progress);
+  bool stopped = false;
+  const ProgressCallback watched = [&](const v1::Progress& progress) {
+    stopped = stopped || (on_progress && !on_progress(progress));
+    return !stopped;
+  };
+  Attempts attempts(options_, [&stopped] { return stopped; });
+  while (true) {
+    absl::StatusOr<ClientEvaluation> call =
+        With(attempts.NextOptions()).SubmitEvaluation(header, mesh, parameters);
+    if (!call.ok()) return call.status();
+    absl::StatusOr<EvaluateResult> result = CollectEvaluation(&*call, parameters.size(), watched);
+    if (result.ok() || stopped || !attempts.Again(result.status())) return result;
+  }
 }
 
 }  // namespace limn

@@ -12,6 +12,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "client/servers.h"
 #include "engine/base/error.h"
 #include "proto/wire/address.h"
 
@@ -38,7 +39,9 @@ absl::StatusOr<std::string> ReadPem(std::string_view flag, const std::string& pa
 
 absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(const std::string& address,
                                                            const ClientSecurity& security) {
+  LIMN_ASSIGN_OR_RETURN(const ServerAddresses servers, ParseServers(address));
   grpc::ChannelArguments arguments;
+  SetBalancing(servers, &arguments);
   // A proxy from the environment would be asked for this very machine too.
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   // A server that comes back is found soon, and one that has gone without a word is missed.
@@ -48,7 +51,9 @@ absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(const std::string& ad
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 60 * kSecond);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 20 * kSecond);
   if (!security.tls()) {
-    return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+    // A list as a whole is nobody's name.
+    arguments.SetString(GRPC_ARG_DEFAULT_AUTHORITY, servers.first);
+    return grpc::CreateCustomChannel(servers.target, grpc::InsecureChannelCredentials(), arguments);
   }
   if (security.certificate_file.empty() != security.key_file.empty()) {
     return Invalid(security.key_file.empty() ? "tls-key" : "tls-cert",
@@ -62,14 +67,19 @@ absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(const std::string& ad
     LIMN_ASSIGN_OR_RETURN(options.pem_cert_chain, ReadPem("tls-cert", security.certificate_file));
     LIMN_ASSIGN_OR_RETURN(options.pem_private_key, ReadPem("tls-key", security.key_file));
   }
-  return grpc::CreateCustomChannel(address, grpc::SslCredentials(options), arguments);
+  if (!security.server_name.empty() || servers.hosts.size() > 1) {
+    arguments.SetSslTargetNameOverride(security.server_name.empty() ? servers.hosts[0]
+                                                                    : security.server_name);
+  }
+  return grpc::CreateCustomChannel(servers.target, grpc::SslCredentials(options), arguments);
 }
 
 absl::StatusOr<std::string> ReadAuthorization(const std::string& address,
                                               const ClientSecurity& security) {
   if (security.token_file.empty()) return "";
-  const std::optional<wire::HostPort> server = wire::ParseHostPort(address);
-  if (!security.tls() && !(server.has_value() && wire::IsLoopback(server->host))) {
+  LIMN_ASSIGN_OR_RETURN(const ServerAddresses servers, ParseServers(address));
+  if (!security.tls() &&
+      !std::all_of(servers.hosts.begin(), servers.hosts.end(), wire::IsLoopback)) {
     return Invalid("token-file", absl::StrCat("a token would go to ", address, " unencrypted"),
                    "Give --tls-ca too");
   }

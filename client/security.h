@@ -22,6 +22,8 @@ struct ClientSecurity {
   // neither.
   std::string certificate_file;
   std::string key_file;
+  // The name that the server's certificate must be for. Empty: the host, of several the first.
+  std::string server_name;
   // A bearer token: the last word of the first line that is neither empty nor begins with '#', so
   // that a server's file of tokens does too. Empty: none is sent. Without TLS it is only taken for
   // this very machine's addresses: anybody on the way could read it.
@@ -30,8 +32,9 @@ struct ClientSecurity {
   bool tls() const { return !ca_file.empty() || !certificate_file.empty() || !key_file.empty(); }
 };
 
-// A channel to a server; it connects when the first call needs it. address: HOST:PORT. Errors:
-// INVALID_OPTION naming "tls-ca", "tls-cert", "tls-key" or "token-file".
+// A channel to a server; it connects when the first call needs it. address: one or several, as
+// ParseServers has them, and balanced as SetBalancing says. Errors: INVALID_OPTION naming "server",
+// "tls-ca", "tls-cert", "tls-key" or "token-file".
 [[nodiscard]] absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(
     const std::string& address, const ClientSecurity& security);
 

@@ -34,6 +34,19 @@ FaceKind KindOf(v1::FeatureValues::FaceKind kind) {
   return kind == v1::FeatureValues::FACE_KIND_PLANE ? FaceKind::kPlane : FaceKind::kSurface;
 }
 
+// The value of entry `index`, which has no default: an entry without one would be sharp by mistake.
+template <class Entry>
+absl::Status ReadValue(absl::string_view list, std::size_t index, const Entry& entry, double* out) {
+  *out = entry.value();
+  if (entry.has_value()) return absl::OkStatus();
+  std::string field = absl::StrCat("constraints.features.", list, "[", index, "].value");
+  std::string message = absl::StrCat(field, ": it is missing");
+  return MakeError(message, {.reason = Reason::kInvalidOption,
+                             .field = std::move(field),
+                             .index = index,
+                             .remedy = "Give a number from 0 to 1"});
+}
+
 // Their number is bounded by that of the message's bytes; whether they are in range is for
 // MakeFeatureTable to say.
 absl::Status ReadFeatures(const v1::FeatureValues& features, FeatureValues* out) {
@@ -54,13 +67,15 @@ absl::Status ReadFeatures(const v1::FeatureValues& features, FeatureValues* out)
   out->edges.reserve(static_cast<std::size_t>(features.edges_size()));
   for (const v1::FeatureValues::Edge& edge : features.edges()) {
     EdgeFeature& entry = out->edges.emplace_back();
-    entry = {.from = edge.from(), .to = edge.to(), .value = edge.value()};
+    entry = {.from = edge.from(), .to = edge.to()};
+    LIMN_RETURN_IF_ERROR(ReadValue("edges", out->edges.size() - 1, edge, &entry.value));
     if (edge.has_face()) entry.face = edge.face();
   }
   out->vertices.reserve(static_cast<std::size_t>(features.vertices_size()));
   for (const v1::FeatureValues::Vertex& vertex : features.vertices()) {
     VertexFeature& entry = out->vertices.emplace_back();
-    entry = {.vertex = vertex.vertex(), .value = vertex.value()};
+    entry = {.vertex = vertex.vertex()};
+    LIMN_RETURN_IF_ERROR(ReadValue("vertices", out->vertices.size() - 1, vertex, &entry.value));
     if (vertex.has_face()) entry.face = vertex.face();
   }
   return absl::OkStatus();

@@ -140,8 +140,19 @@ absl::Status Job::Run() {
   }
   if (spec_.send_control_mesh) LIMN_RETURN_IF_ERROR(EncodeControlMesh());
   mesh_ = PolygonMesh{};
-  part_ = mapping_.has_value() ? Part::kRepair : PartAfterRepair();
+  part_ = FirstPart();
   return absl::OkStatus();
+}
+
+// Told twice of the same points, the certificate stays as it is.
+void Job::Rewind() {
+  if (mapping_.has_value()) {
+    mapping_.emplace(repaired_.original_vertex, repaired_.original_face, tile_options_.tile_bytes);
+  }
+  if (spec_.send_control_mesh) control_chunks_.emplace(control_bytes_, tile_options_.tile_bytes);
+  next_tile_ = 0;
+  bytes_sent_ = 0;
+  part_ = FirstPart();
 }
 
 absl::Status Job::FilterMesh() {
@@ -190,7 +201,7 @@ absl::Status Job::Fill(v1::InterpolateResponse* message) {
       NextMappingPiece(message->mutable_repair());
       return absl::OkStatus();
     case Part::kControlHeader:
-      *message->mutable_control_mesh()->mutable_header() = std::move(control_header_);
+      *message->mutable_control_mesh()->mutable_header() = control_header_;
       part_ = Part::kControlChunks;
       return absl::OkStatus();
     case Part::kControlChunks:
@@ -217,8 +228,6 @@ void Job::NextMappingPiece(v1::RepairReport* piece) {
   mapping_->Next(piece);
   bytes_sent_ += piece->original_vertex().size() + piece->original_face().size();
   if (mapping_->has_next()) return;
-  repaired_.original_vertex = {};
-  repaired_.original_face = {};
   part_ = PartAfterRepair();
 }
 
@@ -238,8 +247,6 @@ void Job::NextControlChunk(v1::ControlMeshPart* part) {
   control_chunks_->Next(part->mutable_chunk());
   bytes_sent_ += part->chunk().data().size();
   if (!part->chunk().last()) return;
-  control_chunks_.reset();
-  std::string().swap(control_bytes_);
   part_ = tiles_.empty() ? Part::kSummary : Part::kTiles;
 }
 
@@ -285,7 +292,8 @@ absl::Status Job::Certify(const wire::TileRange& range, const v1::SurfaceTile& t
 }
 
 void Job::FillSummary(v1::Summary* summary) {
-  AddStage("encode", encode_milliseconds_);
+  if (stages_.back().stage != "encode") AddStage("encode", 0);
+  stages_.back().milliseconds = encode_milliseconds_;
   summary->set_request_id(spec_.request_id);
   summary->set_server_version(LIMN_VERSION);
   summary->set_scheme(SchemeToProto(spec_.engine.scheme));

@@ -53,6 +53,9 @@ class Job {
   // none left. Cost: linear in a tile. Errors: those of wire::EncodeTile.
   [[nodiscard]] absl::StatusOr<bool> NextMessage(v1::InterpolateResponse* message);
 
+  // The answer begins anew with the next message. Only after Run.
+  void Rewind();
+
   // After Run, the surface itself, if the spec keeps patches. Once.
   std::optional<LimitSurface> TakePatches() { return std::exchange(patches_, std::nullopt); }
 
@@ -72,6 +75,7 @@ class Job {
   [[nodiscard]] absl::Status FilterMesh();
   [[nodiscard]] absl::Status Fill(v1::InterpolateResponse* message);
   [[nodiscard]] absl::Status EncodeControlMesh();
+  Part FirstPart() const { return mapping_.has_value() ? Part::kRepair : PartAfterRepair(); }
   Part PartAfterRepair() const;
   void NextMappingPiece(v1::RepairReport* piece);
   void NextControlChunk(v1::ControlMeshPart* part);

@@ -56,7 +56,9 @@ absl::Status JobReactor<Rpc>::TakeInput() {
 template <class Rpc>
 absl::Status JobReactor<Rpc>::TakeHeader(const v1::InterpolateHeader& header) {
   auto message = std::make_unique<Response>();
-  LIMN_RETURN_IF_ERROR(run_.TakeHeader(header, message->mutable_accepted()));
+  const absl::Status status = run_.TakeHeader(header, message->mutable_accepted());
+  core_.metrics.CountAdmissionReject(status);
+  LIMN_RETURN_IF_ERROR(status);
   phase_ = Phase::kUpload;
   watch_.BeginUpload(Clock::now());
   encoded_.push_back(std::move(message));
@@ -93,8 +95,11 @@ absl::Status JobReactor<Rpc>::EndOfRequests() {
 template <class Rpc>
 absl::Status JobReactor<Rpc>::Enqueue() {
   // Before the job can run, which wants the mutex.
-  LIMN_RETURN_IF_ERROR(run_.Enqueue([this](const ProgressEvent& event) { TakeProgress(event); },
-                                    [self = this->shared_from_this()] { self->RunJob(); }));
+  const absl::Status status =
+      run_.Enqueue([this](const ProgressEvent& event) { TakeProgress(event); },
+                   [self = this->shared_from_this()] { self->RunJob(); });
+  core_.metrics.CountAdmissionReject(status);
+  LIMN_RETURN_IF_ERROR(status);
   phase_ = Phase::kQueued;
   watch_.EndUpload(Clock::now());
   return absl::OkStatus();

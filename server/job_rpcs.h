@@ -28,6 +28,11 @@ struct InterpolateRpc {
   }
 };
 
+// One of a batch's jobs; its messages are those of an Interpolate job.
+struct BatchJobRpc : InterpolateRpc {
+  static constexpr const char* kName = "BatchJob";
+};
+
 // Header and chunks up, then parameters; samples down.
 struct EvaluateRpc {
   using Request = v1::EvaluateRequest;

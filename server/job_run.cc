@@ -30,9 +30,7 @@ absl::Status JobRun<Rpc>::TakeHeader(const v1::InterpolateHeader& header, v1::Ac
   request_id_ = spec_.request_id;
   SetCounts(spec_.mesh);
   FitFinestLevel(EngineLimits(core_.limits), &spec_);
-  absl::StatusOr<Admission::Ticket> ticket = core_.admission.Admit(spec_, caller_.client);
-  core_.metrics.CountAdmissionReject(ticket.status());
-  LIMN_ASSIGN_OR_RETURN(ticket_, std::move(ticket));
+  LIMN_ASSIGN_OR_RETURN(ticket_, core_.admission.Admit(spec_, caller_.client));
   upload_.emplace(spec_.mesh.byte_count());
   phase_start_ = Clock::now();
 
@@ -48,9 +46,7 @@ absl::Status JobRun<Rpc>::TakeHeader(const v1::InterpolateHeader& header, v1::Ac
 template <class Rpc>
 absl::Status JobRun<Rpc>::Enqueue(const std::function<void(const ProgressEvent&)>& progress,
                                   WorkerThreads::Task task) {
-  absl::Status status = core_.admission.Enqueue(&ticket_);
-  core_.metrics.CountAdmissionReject(status);
-  LIMN_RETURN_IF_ERROR(status);
+  LIMN_RETURN_IF_ERROR(core_.admission.Enqueue(&ticket_));
   Context context(EngineLimits(core_.limits));
   if (deadline_.has_value()) context.set_deadline(*deadline_);
   stop_ = context;
@@ -176,5 +172,6 @@ void JobRun<Rpc>::LogEnd(const absl::Status& status, bool at_rest) const {
 
 template class JobRun<InterpolateRpc>;
 template class JobRun<EvaluateRpc>;
+template class JobRun<BatchJobRpc>;
 
 }  // namespace limn

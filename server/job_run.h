@@ -38,7 +38,7 @@ class JobRun {
 
   // Admits the job; what to tell of it is left in *accepted. A header without a name gets the
   // call's. Errors: those of Rpc::Spec and Admission::Admit; it can be tried again after a
-  // retryable one.
+  // retryable one. Errors of this and of Enqueue that are passed on are the caller's to count.
   [[nodiscard]] absl::Status TakeHeader(const v1::InterpolateHeader& header,
                                         v1::Accepted* accepted);
 

@@ -67,6 +67,13 @@ constexpr std::array kTable = {
                0, std::uint64_t{1} << 40},
     LimitEntry{"stream-seconds", &ServerLimits::stream_seconds, "seconds",
                "Time that a call may take in all; 0 is any", 0, 365 * kDay},
+    LimitEntry{"batch-window", &ServerLimits::batch_window, "jobs",
+               "Jobs of one Batch call that are held at a time; its next one is read when one of "
+               "them has been answered",
+               1, 10'000},
+    LimitEntry{"resume-seconds", &ServerLimits::resume_seconds, "seconds",
+               "Time that the jobs of a broken Batch call are kept for the client to come back", 0,
+               kDay},
     LimitEntry{"connection-idle-seconds", &ServerLimits::connection_idle_seconds, "seconds",
                "Time without a call after which a connection is ended", 1, 365 * kDay},
     LimitEntry{

@@ -32,6 +32,8 @@ struct ServerLimits {
   std::uint64_t stall_seconds = 60;
   std::uint64_t min_bytes_per_second = std::uint64_t{32} << 10;
   std::uint64_t stream_seconds = 3600;
+  std::uint64_t batch_window = 16;
+  std::uint64_t resume_seconds = 60;
   std::uint64_t connection_idle_seconds = 600;
   std::uint64_t stuck_seconds = 30;
   std::uint64_t drain_seconds = 30;

@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
 #include "proto/wire/status.h"
+#include "server/batch_reactor.h"
 #include "server/caller.h"
 #include "server/job_reactor.h"
 #include "server/job_rpcs.h"
@@ -57,8 +58,7 @@ grpc::ServerUnaryReactor* LimnService::GetServerInfo(grpc::CallbackServerContext
 
 grpc::ServerBidiReactor<v1::BatchRequest, v1::BatchResponse>* LimnService::Batch(
     grpc::CallbackServerContext* context) {
-  return new RefusingReactor<v1::BatchRequest, v1::BatchResponse>(
-      Answer(core_, context, "Batch", NotBuilt("Batch")));
+  return BatchReactor::Create(core_, kept_, context);
 }
 
 grpc::ServerBidiReactor<v1::EvaluateRequest, v1::EvaluateResponse>* LimnService::Evaluate(

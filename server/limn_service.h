@@ -3,6 +3,7 @@
 #pragma once
 
 #include "limn/v1/limn.grpc.pb.h"
+#include "server/kept_jobs.h"
 #include "server/service_core.h"
 
 namespace limn {
@@ -10,7 +11,7 @@ namespace limn {
 class LimnService final : public v1::LimnService::CallbackService {
  public:
   // core must outlive it.
-  explicit LimnService(ServiceCore& core) : core_(core) {}
+  explicit LimnService(ServiceCore& core) : core_(core), kept_(core.limits.resume_seconds) {}
 
   grpc::ServerBidiReactor<v1::InterpolateRequest, v1::InterpolateResponse>* Interpolate(
       grpc::CallbackServerContext* context) override;
@@ -20,14 +21,18 @@ class LimnService final : public v1::LimnService::CallbackService {
                                           const v1::GetServerInfoRequest* request,
                                           v1::GetServerInfoResponse* response) override;
 
-  // Not built yet: UNIMPLEMENTED with their names.
   grpc::ServerBidiReactor<v1::BatchRequest, v1::BatchResponse>* Batch(
       grpc::CallbackServerContext* context) override;
+  // Not built yet: UNIMPLEMENTED with its name.
   grpc::ServerBidiReactor<v1::EditRequest, v1::EditResponse>* Edit(
       grpc::CallbackServerContext* context) override;
 
+  // The jobs that wait for their clients to come back.
+  KeptJobs& kept_jobs() { return kept_; }
+
  private:
   ServiceCore& core_;
+  KeptJobs kept_;
 };
 
 }  // namespace limn

@@ -158,6 +158,7 @@ void Server::Impl::Watch() {
     lock.unlock();
     const Clock::time_point now = Clock::now();
     core.streams.ForEach([now](OpenStream& stream) { stream.CheckStall(now); });
+    service.kept_jobs().Expire(now);
     RefreshFiles();
     WatchLanes();
     TrimWhenIdle(now);
@@ -189,7 +190,7 @@ void Server::Impl::WatchLanes() {
 // have the memory.
 void Server::Impl::TrimWhenIdle(Clock::time_point now) {
   if (!tidy_heap) return;
-  if (core.streams.size() > 0) {
+  if (core.streams.size() > 0 || service.kept_jobs().waiting() > 0) {
     last_busy = now;
     trimmed = false;
   }
@@ -292,6 +293,7 @@ void Server::Impl::Shutdown(std::chrono::milliseconds patience) {
   }
   stopping.notify_all();
   watch.join();
+  service.kept_jobs().Clear();
   core.metrics.StopListening();
   idle = core.StopUntil(Clock::now() + kLastWork);
 }

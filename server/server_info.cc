@@ -13,6 +13,7 @@ v1::GetServerInfoResponse MakeServerInfo(const ServerLimits& limits, int threads
   info.add_encodings(v1::MESH_ENCODING_DRACO);
   info.add_encodings(v1::MESH_ENCODING_DRACO_QUANTIZED);
   info.add_rpcs("Interpolate");
+  info.add_rpcs("Batch");
   info.add_rpcs("Evaluate");
   info.add_rpcs("GetServerInfo");
   for (const LimitEntry& entry : LimitTable()) {

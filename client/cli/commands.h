@@ -14,6 +14,7 @@ void AddFilterCommand(CLI::App& app, ExitStatus* status);
 void AddFeaturesCommand(CLI::App& app, ExitStatus* status);
 void AddEvaluateCommand(CLI::App& app, ExitStatus* status);
 void AddGenerateCommand(CLI::App& app, ExitStatus* status);
+void AddHealthCommand(CLI::App& app, ExitStatus* status);
 void AddInfoCommand(CLI::App& app, ExitStatus* status);
 
 }  // namespace limn::cli

@@ -3,7 +3,6 @@
 #include "client/cli/connection.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>
@@ -11,6 +10,7 @@
 
 #include <CLI/Validators.hpp>
 
+#include "client/servers.h"
 #include "engine/base/error.h"
 #include "server/limits.h"
 #include "server/machine_limits.h"
@@ -21,18 +21,12 @@ namespace {
 // A year: longer than any job, and far from the ends of a clock.
 constexpr double kLongestDeadline = 365.0 * 24 * 3600;
 
-// Empty if the text is HOST:PORT. Whether the host exists is seen when it is called.
+// Empty if the text names servers. Whether they exist is seen when they are called.
 std::string CheckServerAddress(const std::string& text) {
-  const std::size_t colon = text.rfind(':');
-  const std::string_view port =
-      colon == std::string::npos ? std::string_view() : std::string_view(text).substr(colon + 1);
-  unsigned number = 0;
-  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), number);
-  if (colon == 0 || error != std::errc() || end != port.data() + port.size() || number < 1 ||
-      number > 65535) {
-    return "must be HOST:PORT, such as 127.0.0.1:7410; got '" + text + "'";
-  }
-  return {};
+  if (ParseServers(text).ok()) return {};
+  return "must be HOST:PORT, such as 127.0.0.1:7410, or numeric ones of one kind with commas "
+         "between; got '" +
+         text + "'";
 }
 
 // Empty if the text is a sensible number of seconds. CLI::Range lets NaN pass.
@@ -70,14 +64,21 @@ ServerLimits EmbeddedLimits() {
 
 }  // namespace
 
-void AddConnectionFlags(CLI::App& app, ConnectionOptions* options) {
+CLI::Option* AddServerFlags(CLI::App& app, ConnectionOptions* options) {
+  const bool given = !options->server.empty();
   CLI::Option* server =
       app.add_option("--server", options->server,
-                     "Server to send the job to; without, the job runs inside this process")
+                     "Server to send the job to; several, as a list or behind a name, take turns"
+                     "; without, the job runs inside this process")
           ->check(CLI::Validator(CheckServerAddress, "", "address"))
-          ->type_name("HOST:PORT");
+          ->type_name("HOST:PORT[,HOST:PORT...]");
+  if (given) server->description("Server to ask")->capture_default_str();
+  const auto add = [&](const char* flag, std::string* value, const char* help) {
+    CLI::Option* const option = app.add_option(flag, *value, help);
+    return given ? option : option->needs(server);
+  };
   const auto add_file = [&](const char* flag, std::string* file, const char* help) {
-    app.add_option(flag, *file, help)->needs(server)->type_name("FILE");
+    add(flag, file, help)->type_name("FILE");
   };
   add_file("--tls-ca", &options->security.ca_file,
            "Speak TLS with it: authorities that its certificate must come from, PEM");
@@ -86,14 +87,22 @@ void AddConnectionFlags(CLI::App& app, ConnectionOptions* options) {
   add_file("--tls-key", &options->security.key_file, "The certificate's private key, PEM");
   add_file("--token-file", &options->security.token_file,
            "Bearer token to show it; only sent over TLS or to this machine");
+  add("--tls-name", &options->security.server_name,
+      "Name that its certificate must be for [the host of --server]")
+      ->type_name("NAME");
+  app.add_option("--deadline", options->deadline_seconds, "Seconds that it may take")
+      ->check(CLI::Validator(CheckDeadline, "", "deadline"))
+      ->type_name("S");
+  return server;
+}
+
+void AddConnectionFlags(CLI::App& app, ConnectionOptions* options) {
+  CLI::Option* const server = AddServerFlags(app, options);
   app.add_option("--threads", options->threads,
                  "Threads to compute on, without --server [one per processor]")
       ->check(CLI::Range(1, 1024))
       ->excludes(server)
       ->type_name("N");
-  app.add_option("--deadline", options->deadline_seconds, "Seconds that the job may take")
-      ->check(CLI::Validator(CheckDeadline, "", "deadline"))
-      ->type_name("S");
 }
 
 absl::StatusOr<Connection> Connection::Open(const ConnectionOptions& options) {
@@ -111,6 +120,8 @@ absl::StatusOr<Connection> Connection::Open(const ConnectionOptions& options) {
   server_options.threads = options.threads;
   server_options.limits = EmbeddedLimits();
   LIMN_ASSIGN_OR_RETURN(std::unique_ptr<Server> embedded, Server::Start(server_options));
+  // It does not go away, and the mesh need not be kept for another attempt.
+  client_options.attempts = 1;
   Client client(embedded->InProcessChannel(), client_options);
   return Connection(std::move(embedded), std::move(client));
 }

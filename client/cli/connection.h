@@ -15,7 +15,7 @@
 namespace limn::cli {
 
 struct ConnectionOptions {
-  // HOST:PORT; empty for the embedded server.
+  // As ParseServers of client/servers.h has it; empty for the embedded server.
   std::string server;
   // Threads of the embedded server; 0 is one per processor.
   int threads = 0;
@@ -24,7 +24,9 @@ struct ConnectionOptions {
   ClientSecurity security;
 };
 
-// Adds --server, what goes with it, --threads and --deadline.
+// Adds --server, what goes with it, and --deadline. Returns --server.
+CLI::Option* AddServerFlags(CLI::App& app, ConnectionOptions* options);
+// The same with --threads, for what may also run inside this process.
 void AddConnectionFlags(CLI::App& app, ConnectionOptions* options);
 
 // A client and, when it is embedded, the server behind it: the same service, over a channel inside

@@ -31,7 +31,9 @@ absl::StatusOr<v1::Constraints> ReadConstraintsFile(const std::string& path) {
 absl::StatusOr<v1::FeatureValues> ReadFeaturesFile(const std::string& path) {
   LIMN_ASSIGN_OR_RETURN(const std::string text, ReadTextFile(path));
   v1::FeatureValues features;
-  LIMN_RETURN_IF_ERROR(ParseMessage(text, {.path = path, .field = "features"}, &features));
+  LIMN_RETURN_IF_ERROR(ParseMessage(
+      text, {.path = path, .field = "constraints.features", .prefix = "constraints.features."},
+      &features));
   return features;
 }
 

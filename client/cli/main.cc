@@ -50,6 +50,7 @@ ExitStatus Main(int argc, char** argv) {
   AddFeaturesCommand(app, &status);
   AddEvaluateCommand(app, &status);
   AddGenerateCommand(app, &status);
+  AddHealthCommand(app, &status);
   AddInfoCommand(app, &status);
   try {
     app.parse(argc, argv);

@@ -2,6 +2,7 @@
 // Text files, and messages in their JSON mapping.
 #include "client/cli/message_file.h"
 
+#include <google/protobuf/descriptor.h>
 #include <google/protobuf/util/json_util.h>
 
 #include <algorithm>
@@ -28,8 +29,18 @@ std::string Shortened(std::string_view text) {
                       text.size() > kMostQuoted ? "..." : "");
 }
 
-// A value that protobuf calls `invalid value "x" for type TYPE_DOUBLE`.
-std::string ExplainValue(std::string_view what) {
+// " is none of A, B" for an enumeration's full name.
+std::string ExplainEnum(const google::protobuf::EnumDescriptor& kind) {
+  std::string text = " is none of ";
+  for (int i = 0; i < kind.value_count(); ++i) {
+    absl::StrAppend(&text, i == 0 ? "" : ", ", kind.value(i)->name());
+  }
+  return text;
+}
+
+// A value that protobuf calls `invalid value "x" for type TYPE_DOUBLE`, or, for messages and
+// enumerations, `... for type type.googleapis.com/NAME`.
+std::string ExplainValue(std::string_view what, const google::protobuf::DescriptorPool& pool) {
   constexpr std::string_view kBegin = "invalid value ";
   constexpr std::string_view kEnd = " for type ";
   const std::size_t end = what.rfind(kEnd);
@@ -37,13 +48,15 @@ std::string ExplainValue(std::string_view what) {
   const std::string_view type = what.substr(end + kEnd.size());
   if (type == "TYPE_UINT32") return value + " is not a whole number from 0 to 4294967295";
   if (type == "TYPE_DOUBLE") return value + " is not a number";
-  const bool object = type.find('/') != std::string_view::npos;
-  return value + (object ? " is not an object, {...}" : " is no value of this field");
+  const std::size_t slash = type.rfind('/');
+  if (slash == std::string_view::npos) return value + " is no value of this field";
+  const auto* kind = pool.FindEnumTypeByName(std::string(type.substr(slash + 1)));
+  return value + (kind != nullptr ? ExplainEnum(*kind) : " is not an object, {...}");
 }
 
-std::string Explain(std::string_view what) {
+std::string Explain(std::string_view what, const google::protobuf::DescriptorPool& pool) {
   if (what.starts_with("invalid value ") && what.rfind(" for type ") != std::string_view::npos) {
-    return ExplainValue(what);
+    return ExplainValue(what, pool);
   }
   if (what == "Cannot find field.") return "there is no such field";
   if (what == "Root element must be a message.") return "there is no object, {...}";
@@ -52,20 +65,21 @@ std::string Explain(std::string_view what) {
 }
 
 // protobuf's "(normals[1]) vertx: Cannot find field." or "(normals[1].vertex): invalid value ...".
-std::string ExplainField(std::string_view error) {
+std::string ExplainField(std::string_view error, const std::string& prefix,
+                         const google::protobuf::DescriptorPool& pool) {
   std::string path;
   if (error.starts_with('(')) {
     const std::size_t end = std::min(error.find(')'), error.size() - 1);
-    path = std::string(error.substr(1, end - 1));
+    path = absl::StrCat(prefix, std::string(error.substr(1, end - 1)));
     error.remove_prefix(end + 1);
     if (error.starts_with(' ')) error.remove_prefix(1);
   }
   const std::size_t colon = error.find(": ");
   if (colon == std::string_view::npos) return absl::StrCat(path, Shortened(error));
   if (colon > 0) {
-    absl::StrAppend(&path, path.empty() ? "" : ".", Shortened(error.substr(0, colon)));
+    absl::StrAppend(&path, path.empty() ? prefix : ".", Shortened(error.substr(0, colon)));
   }
-  return absl::StrCat(path, path.empty() ? "" : ": ", Explain(error.substr(colon + 2)));
+  return absl::StrCat(path, path.empty() ? "" : ": ", Explain(error.substr(colon + 2), pool));
 }
 
 // " in line N" if the piece stands at one place of the text only.
@@ -143,7 +157,9 @@ absl::Status ParseMessage(const std::string& json, const MessageFile& file,
   const auto status = google::protobuf::util::JsonStringToMessage(json, message, options);
   if (status.ok()) return absl::OkStatus();
   const std::string error(status.message());
-  const std::string what = error.ends_with('^') ? ExplainSyntax(error, json) : ExplainField(error);
+  const google::protobuf::DescriptorPool& pool = *message->GetDescriptor()->file()->pool();
+  const std::string what =
+      error.ends_with('^') ? ExplainSyntax(error, json) : ExplainField(error, file.prefix, pool);
   return MakeError(
       absl::StrCat(file.path, ": ", what),
       {.reason = Reason::kMalformedFile,

@@ -27,11 +27,13 @@ struct MessageFile {
   std::string path;
   // What the file holds, for errors, such as "constraints".
   std::string field;
+  // What the paths of its fields begin with in errors: where the message is within another.
+  std::string prefix = "";
 };
 
 // Fills the message from its JSON mapping. Errors: MALFORMED_FILE, whose message begins with the
 // file's name and, where there is one, the field's path: what is no JSON, unknown fields, values of
-// the wrong type or out of their type's range.
+// the wrong type or out of their type's range, names that are none of an enumeration's.
 [[nodiscard]] absl::Status ParseMessage(const std::string& json, const MessageFile& file,
                                         google::protobuf::Message* message);
 

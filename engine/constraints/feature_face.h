@@ -12,16 +12,17 @@
 //   Not planar: the lines are skew, and W_i is the middle of the shortest segment between them,
 // which is the formula as it stands.
 //   Parallel neighbouring edges: where the sine of the angle between them is below 1/8 (angles
-//   above
-// 172.8 or below 7.2 degrees), where lines of different values meet far away or nowhere, the last
-// term is taken times 64 times the sine's square, so that all is continuous; at parallel edges, and
-// at those of no length, the values' mean counts alone.
+// above 172.8 or below 7.2 degrees), where lines of different values meet far away or nowhere, the
+// last term is taken times 64 times the sine's square, so that all is continuous; at parallel
+// edges, and at those of no length, the values' mean counts alone.
 //   Concave: lines move towards C, also where that is away from the inside.
 //   Wrong sequence: if the V_i wind once around C, seen along the face's average normal, so shall
 // the W_i: they are sorted by their directions from C, as a periodic sequence, each at its nearest
 // turn, and given to the vertices in that order with the same winding on the whole. Points in C
 // (within 1e-12 of their vertex' distance) take the direction of their vertex; directions within
 // 2^-40 of a turn count as equal and keep their order. Faces that do not wind so keep the sequence.
+//   VFV divide the ways from V_i to the sorted W_i. They are not sorted again: where neighbouring
+// VFV differ much, V'_i may be out of order, but VFV 0 always is the vertex itself.
 //   e = 0 for both edges: W_i = V_i. e = 1 for both: W_i = C. VFV 0: V'_i = V_i; 1: V'_i = W_i.
 #pragma once
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
@@ -26,10 +27,24 @@ constexpr std::size_t kPlanesAround = 4;
 // Of the shortest edge: the furthest that a vertex is moved.
 constexpr double kFurthest = 1.0 / 8;
 
-absl::Status Refuse(const std::string& message, const char* remedy) {
-  return MakeError(
-      absl::StrCat("constraints.features.faces: ", message),
-      {.reason = Reason::kInvalidOption, .field = "constraints.features.faces", .remedy = remedy});
+// Names what made the face a plane one: its entry, or the default.
+ErrorDetail DetailOf(const FeatureValues* values, std::size_t face) {
+  ErrorDetail detail = {.reason = Reason::kInvalidOption, .field = "constraints.features.faces"};
+  if (values == nullptr) return detail;
+  const auto entry = std::find_if(values->faces.begin(), values->faces.end(),
+                                  [&](const FaceFeature& f) { return f.face == face; });
+  if (entry == values->faces.end()) {
+    detail.field = "constraints.features.default_face";
+    return detail;
+  }
+  detail.index = static_cast<std::uint64_t>(entry - values->faces.begin());
+  absl::StrAppend(&detail.field, "[", *detail.index, "].kind");
+  return detail;
+}
+
+absl::Status Refuse(ErrorDetail detail, const std::string& message, const char* remedy) {
+  detail.remedy = remedy;
+  return MakeError(absl::StrCat(detail.field, ": ", message), detail);
 }
 
 struct Plane {
@@ -71,6 +86,7 @@ class Flattener {
         walk_(mesh),
         table_(table),
         points_(given.points),
+        values_(given.values),
         scale_(given.scale),
         planar_(kPlanar * given.scale) {}
 
@@ -103,7 +119,9 @@ class Flattener {
         }));
     const auto first = std::find(failed.begin(), failed.end(), 1);
     if (first == failed.end()) return moved;
-    return Refuse(absl::StrCat("the plane faces around vertex ", first - failed.begin(),
+    const auto vertex = static_cast<std::size_t>(first - failed.begin());
+    return Refuse(DetailOf(values_, FaceAround(vertex)),
+                  absl::StrCat("the plane faces around vertex ", vertex,
                                " are far from planar, or their planes do not meet near it"),
                   "Make some of them surface faces, or make them planar");
   }
@@ -115,6 +133,16 @@ class Flattener {
     return table_.IsPlane(f) && mesh_.face_begin()[f + 1] - mesh_.face_begin()[f] > 3;
   }
 
+  // The least one that a vertex has to be moved for.
+  std::size_t FaceAround(std::size_t v) const {
+    std::size_t face = mesh_.face_count();
+    for (Index i = mesh_.fan_begin()[v]; i < mesh_.fan_begin()[v + 1]; ++i) {
+      const std::size_t f = mesh_.face()[mesh_.fan()[i]];
+      if (Binds(f)) face = std::min(face, f);
+    }
+    return face;
+  }
+
   absl::Status CheckPlanes(const Context& context) const {
     std::size_t flawed = mesh_.face_count();
     LIMN_RETURN_IF_ERROR(
@@ -124,7 +152,8 @@ class Flattener {
           }
         }));
     if (flawed == mesh_.face_count()) return absl::OkStatus();
-    return Refuse(absl::StrCat("face ", flawed, " has no plane, its corners lie on a line"),
+    return Refuse(DetailOf(values_, flawed),
+                  absl::StrCat("face ", flawed, " has no plane, its corners lie on a line"),
                   "Make it a surface face, or move a corner");
   }
 
@@ -284,6 +313,7 @@ class Flattener {
   const PolygonWalk walk_;
   const FeatureTable& table_;
   const absl::Span<const Vec3> points_;
+  const FeatureValues* const values_;
   const double scale_;
   const double planar_;
   // By face.

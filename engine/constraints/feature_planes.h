@@ -20,6 +20,8 @@ namespace limn {
 struct PlanePoints {
   absl::Span<const Vec3> points;
   double scale = 1;
+  // What the table was made of: errors name the entry of a face then, else the list.
+  const FeatureValues* values = nullptr;
 };
 
 // Points with which all plane faces are planar: empty when they are as given, each corner within
@@ -33,10 +35,13 @@ struct PlanePoints {
 // through their mean along their mean normal, weighted by area. Where small turns add up to more
 // than 1e-3 rad from the mean, as around a fine cylinder, each keeps its own.
 //
-// Errors, INVALID_OPTION, "constraints.features.faces", naming the face or the vertex: a face whose
-// corners lie on a line; a vertex whose planes do not meet in a point within 2e-13 of the diagonal,
-// or nearly not (a further plane counts from an angle of 1e-3 on), or only further away than an
-// eighth of its shortest edge (of those with a length). CANCELLED, DEADLINE_EXCEEDED. Cost: a few
+// Errors, INVALID_OPTION: a face whose corners lie on a line; a vertex whose planes do not meet in
+// a point within 2e-13 of the diagonal, or nearly not (a further plane counts from an angle of 1e-3
+// on), or only further away than an eighth of its shortest edge. Edges without length, not above
+// 1e-13 of the diagonal, do not count there; a vertex without any other is not moved. The message
+// names the first such face, or else vertex; the field is the kind of the face's entry,
+// "constraints.features.faces[3].kind", with its index, or "constraints.features.default_face"; for
+// a vertex, that of the least plane face around it. CANCELLED, DEADLINE_EXCEEDED. Cost: a few
 // passes over the corners. Same result for any number of threads. Thread-safe.
 [[nodiscard]] absl::StatusOr<Buffer<Vec3>> FlattenPlaneFaces(const Context& context,
                                                              const HalfEdgeMesh& mesh,

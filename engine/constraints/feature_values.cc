@@ -55,11 +55,8 @@ class TableMaker {
   absl::StatusOr<FeatureTable> Run() {
     LIMN_RETURN_IF_ERROR(CheckDefault("default_edge", values_.default_edge));
     LIMN_RETURN_IF_ERROR(CheckDefault("default_vertex", values_.default_vertex));
-    const std::size_t corners = mesh_.half_edge_count();
-    table_.edge.resize(corners, values_.default_edge);
-    LIMN_RETURN_IF_ERROR(context_.Check());
-    table_.vertex.resize(corners, values_.default_vertex);
-    LIMN_RETURN_IF_ERROR(context_.Check());
+    LIMN_RETURN_IF_ERROR(Fill(values_.default_edge, &table_.edge));
+    LIMN_RETURN_IF_ERROR(Fill(values_.default_vertex, &table_.vertex));
     LIMN_RETURN_IF_ERROR(TakeFaces());
     if (!values_.edges.empty()) LIMN_RETURN_IF_ERROR(TakeEdges());
     if (!values_.vertices.empty()) LIMN_RETURN_IF_ERROR(TakeVertices());
@@ -70,6 +67,15 @@ class TableMaker {
   // What has been named: a corner as such, and as one of its element's.
   static constexpr std::uint8_t kInFace = 1;
   static constexpr std::uint8_t kElement = 2;
+
+  // One value per corner.
+  absl::Status Fill(double value, Buffer<double>* values) const {
+    values->resize(mesh_.half_edge_count());
+    return ParallelFor(context_, values->size(), [&](std::size_t begin, std::size_t end) {
+      std::fill(values->begin() + static_cast<std::ptrdiff_t>(begin),
+                values->begin() + static_cast<std::ptrdiff_t>(end), value);
+    });
+  }
 
   absl::Status TakeFaces() {
     if (values_.has_planes()) {

@@ -92,9 +92,12 @@ class FeatureSurface::Maker {
     BoundingBox box;
     LIMN_RETURN_IF_ERROR(ValidatePositions(context_, points_, &box));
     const double scale = box.diagonal() > 0 ? box.diagonal() : 1;
-    LIMN_ASSIGN_OR_RETURN(
-        Buffer<Vec3> flat,
-        FlattenPlaneFaces(context_, given_, table_, {.points = points_, .scale = scale}));
+    const std::optional<FeatureValues>& values = task_.constraints.features;
+    LIMN_ASSIGN_OR_RETURN(Buffer<Vec3> flat,
+                          FlattenPlaneFaces(context_, given_, table_,
+                                            {.points = points_,
+                                             .scale = scale,
+                                             .values = values.has_value() ? &*values : nullptr}));
     if (flat.empty()) return absl::OkStatus();
     moved_ = true;
     points_ = std::move(flat);

@@ -14,31 +14,33 @@
 // Doo-Sabin surface of one face inside the curve: planar, and bounded by the quadratic B-spline
 // whose control polygon are the feet. What the paper leaves open:
 //   Feet outside of their edge are taken to its nearer end; feet in the wrong order, both to their
-// middle.
+//   middle; those on an edge without length are its ends.
 //   A vertex of two or more plane faces, of a plane face and the mesh's boundary, or of a plane
-//   face
-// and to be interpolated, is a corner: the surface passes through it, and the curves end there.
-// With one surface face between two plane ones that is the paper's 4 C - p_1 - p_2 - p_3, with more
-// of them the same for any number (see BoundaryCurve).
+//   face and to be interpolated, is a corner: the surface passes through it, and the curves end
+//   there. With one surface face between two plane ones that is the paper's 4 C - p_1 - p_2 - p_3,
+//   with more of them the same for any number (see BoundaryCurve).
 //   A vertex of one plane face and m surface faces gets the 2m-sided type-V face of a boundary
-//   vertex
-// and not the paper's m + 2 sides: these are the same for m = 2, and for m = 3 and more the paper's
-// would not keep the B-spline.
+//   vertex and not the paper's m + 2 sides: these are the same for m = 2, and for m = 3 and more
+//   the paper's would not keep the B-spline.
 //   An edge between two plane faces, whose ends are corners, is met as a straight line. Its curve
-// points are (3 V + V') / 4 and not its ends, which give the same line with derivatives that
-// vanish.
+//   points are (3 V + V') / 4 and not its ends, which give the same line with derivatives that
+//   vanish.
 //   The images of a plane face only say how the flat region is parametrised: the mean of the
-//   curve's
-// point at the vertex and of these points' mean. In concave faces that may fold.
+//   curve's point at the vertex and of these points' mean. Faces have to be convex: in others the
+//   region is planar and has its boundary, but it may fold, so that its tessellation covers parts
+//   of the plane more than once or beyond the boundary.
 //   Plane faces that are not planar are made so first, by FlattenPlaneFaces; feet, and the images
-//   of
-// the surface faces around, follow from the moved vertices.
+//   of the surface faces around, follow from the moved vertices.
 //   A mesh of plane faces only: every vertex is a corner, and the surface is the polyhedron.
 //   Along cuts the surface has two tangent planes, and at most one at the ends of a plane region's
-// run along a vertex of one plane face: derivatives by the parameters of that corner are parallel.
+//   run along a vertex of one plane face: derivatives by the parameters of that corner are
+//   parallel.
 //
 // Open meshes: along the boundary the curve is that of the given points as control points, whatever
-// the values, so that meshes which share a boundary share the curve.
+// the values of edges and vertices. Only plane faces change it: at their vertices, which are
+// corners, it ends and begins anew, and vertices that FlattenPlaneFaces moves move it. So meshes
+// that share a boundary share the curve where the same vertices of it are in plane faces, all of
+// them planar.
 //
 // Interpolated vertices (Constraints::interpolate; by default none): afterwards their type-V faces
 // are moved as everywhere (engine/constraints/perturb.h), with prescribed normals and shape
@@ -66,7 +68,7 @@ namespace limn {
 struct FeatureTask {
   // One point per vertex, in the model's frame.
   absl::Span<const Vec3> points;
-  // With features; as ValidateConstraints accepts them for the vertices.
+  // With features; as ValidateConstraints and ValidateDooSabinNormals accept them for the mesh.
   const Constraints& constraints;
   // The surface's corners are relative to this.
   Vec3 origin = {0, 0, 0};
@@ -81,9 +83,9 @@ class FeatureSurface {
   [[nodiscard]] static absl::StatusOr<FeatureSurface> Create(const Context& context,
                                                              HalfEdgeMesh mesh);
 
-  // Makes the surface of these values and points. Connectivity is kept, and all memory with it;
-  // only when other faces are plane than before it is cut anew. After an error the surface must be
-  // made again.
+  // Makes the surface of these values and points. Connectivity is kept, with its memory and that of
+  // the surface; only when other faces are plane than before it is cut anew. After an error the
+  // surface must be made again.
   //
   // Errors: those of MakeFeatureTable and FlattenPlaneFaces; INVALID_OPTION for normals and handles
   // at vertices of plane faces, and for interpolated vertices that are moved; CANCELLED,

@@ -59,7 +59,8 @@ struct SurfaceSamples {
   absl::Span<Vec3> du = {};
   absl::Span<Vec3> dv = {};
   // Unit length, outward for counter-clockwise faces; (0, 0, 0) where the derivatives span no
-  // plane.
+  // plane, such as where a plane region of feature values runs straight through the corner of its
+  // face: the tessellation has the region's normal there.
   absl::Span<Vec3> normals = {};
 };
 

@@ -204,10 +204,8 @@ void BM_Limit(benchmark::State& state) {
       vertices);
 }
 
-// Feature values that have changed, on connectivity that is kept: every tenth edge has one of its
-// own, as in a model that somebody works on.
-void BM_FeatureValues(benchmark::State& state) {
-  Input& of = InputOf(static_cast<std::uint64_t>(state.range(0)));
+// Every tenth edge has a value of its own, as in a model that somebody works on.
+Constraints SomeFeatures(const Input& of) {
   Constraints constraints;
   FeatureValues& values = constraints.features.emplace();
   const PolygonWalk walk(of.mesh);
@@ -217,11 +215,31 @@ void BM_FeatureValues(benchmark::State& state) {
                             .to = of.mesh.vertex()[walk.Next(h)],
                             .value = static_cast<double>(e % 97) / 96});
   }
+  return constraints;
+}
+
+// Feature values that have changed, on connectivity that is kept.
+void BM_FeatureValues(benchmark::State& state) {
+  Input& of = InputOf(static_cast<std::uint64_t>(state.range(0)));
+  Constraints constraints = SomeFeatures(of);
   FeatureSurface surface = OrDie(FeatureSurface::Create(of.context, of.mesh));
   Measure(state, [&](Input& input) {
-    values.default_edge = values.default_edge == 0.5 ? 0.4 : 0.5;
+    constraints.features->default_edge = constraints.features->default_edge == 0.5 ? 0.4 : 0.5;
     OrDie(
         surface.Make(input.context, {.points = input.given.positions, .constraints = constraints}));
+  });
+}
+
+// The same without anything kept.
+void BM_FeatureValuesAfresh(benchmark::State& state) {
+  Input& of = InputOf(static_cast<std::uint64_t>(state.range(0)));
+  const Constraints constraints = SomeFeatures(of);
+  Measure(state, [&](Input& input) {
+    FeatureSurface surface = OrDie(FeatureSurface::Create(
+        input.context, OrDie(HalfEdgeMesh::Build(input.context, input.given))));
+    OrDie(
+        surface.Make(input.context, {.points = input.given.positions, .constraints = constraints}));
+    benchmark::DoNotOptimize(surface.surface().corners.data());
   });
 }
 
@@ -245,6 +263,7 @@ void Register() {
       {"Refine", BM_Refine},
       {"Limit", BM_Limit},
       {"FeatureValues", BM_FeatureValues},
+      {"FeatureValuesAfresh", BM_FeatureValuesAfresh},
       {"Interpolate", BM_Interpolate}};
   for (const std::int64_t vertices : {11540, 100000, 1000000}) {
     for (const std::int64_t threads : {1, 2}) {

@@ -140,8 +140,13 @@ TEST_F(FeaturesE2e, WhatIsWrongIsSaidWithFileAndField) {
     EXPECT_NE(text.find(words), std::string::npos) << text;
   };
   expect(errors("[1]", 1), "f.json: there is no object");
-  expect(errors(R"({"edgs": []})", 1), "f.json: edgs: there is no such field");
-  expect(errors(R"({"faces": [{"face": 1, "kind": "FLAT"}]})", 1), "faces[0].kind");
+  expect(errors(R"({"edgs": []})", 1), "f.json: constraints.features.edgs: there is no such field");
+  expect(errors(R"({"faces": [{"face": 1, "kind": "FLAT"}]})", 1),
+         "f.json: constraints.features.faces[0].kind: \"FLAT\" is none of FACE_KIND_UNSPECIFIED, "
+         "FACE_KIND_PLANE, FACE_KIND_SURFACE");
+  expect(errors(R"({"edges": [7]})", 1), "7 is not an object");
+  expect(errors(R"({"vertices": [{"vertex": 3}]})", 1),
+         "f.json: constraints.features.vertices[0].value: it is missing");
   expect(errors(R"({"edges": [{"from": 0, "to": 6, "value": 0.1}]})", 1),
          "f.json: constraints.features.edges[0].to: no edge joins vertices 0 and 6");
   expect(errors(R"({"vertices": [{"vertex": 0, "value": "NaN"}]})", 1),

@@ -6,10 +6,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
+#include "engine/base/error.h"
 #include "engine/constraints/feature_planes.h"
 #include "engine/constraints/features.h"
 #include "engine/interpolate.h"
@@ -198,8 +202,8 @@ TEST(PlaneFaces, WhatHasNoPlaneIsRefused) {
   for (std::size_t i = 0; i < 4; ++i) {
     line.positions[face[i]] = {static_cast<double>(i), 2 * static_cast<double>(i), 0};
   }
-  oracle::ExpectError(Refusal(line, Planes({3})),
-                      {Reason::kInvalidOption, "constraints.features.faces"});
+  oracle::ExpectError(Refusal(line, Planes({1, 3})),
+                      {Reason::kInvalidOption, "constraints.features.faces[1].kind", 1});
   EXPECT_NE(Refusal(line, Planes({3})).message().find("face 3 has no plane"),
             std::string_view::npos);
   // Four planes in general position around the tip.
@@ -213,7 +217,20 @@ TEST(PlaneFaces, WhatHasNoPlaneIsRefused) {
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_NE(status.message().find("far from planar"), std::string_view::npos) << status;
   EXPECT_NE(status.message().find("around vertex"), std::string_view::npos) << status;
-  oracle::ExpectError(status, {Reason::kInvalidOption, "constraints.features.faces"});
+  oracle::ExpectError(status, {Reason::kInvalidOption, "constraints.features.default_face"});
+  EXPECT_EQ(GetErrorDetail(status)->remedy, "Make some of them surface faces, or make them planar");
+  std::vector<Index> backwards;
+  for (auto f = static_cast<Index>(bent.face_count()); f-- > 0;) backwards.push_back(f);
+  const absl::Status named = Refusal(bent, Planes(backwards));
+  const std::uint64_t entry = GetErrorDetail(named)->index.value();
+  oracle::ExpectError(named, {Reason::kInvalidOption,
+                              absl::StrCat("constraints.features.faces[", entry, "].kind"), entry});
+  // The vertex is of the entry's face.
+  const std::string text(named.message());
+  const Index vertex = static_cast<Index>(
+      std::stoul(text.substr(text.find("around vertex ") + std::string("around vertex ").size())));
+  const absl::Span<const Index> around = bent.face(backwards[entry]);
+  EXPECT_EQ(std::count(around.begin(), around.end(), vertex), 1) << text;
 }
 
 TEST(PlaneFaces, InterpolatedVerticesAreCorners) {

@@ -171,6 +171,27 @@ TEST(FeatureFace, VertexValueDividesTheWayToTheCrossing) {
   }
 }
 
+// After the W_i were put in sequence the divided points may be out of it again; the values decide.
+TEST(FeatureFace, DividedPointsAreNotSortedAgain) {
+  // One line far outside of the others, which cross it beyond their neighbours' vertices.
+  Face face = RegularPolygon(12, 0.9);
+  face.edge[0] = 0.02;
+  face.edge[1] = face.edge[11] = 0.95;
+  const std::vector<Vec3> crossings = ImagesOf(face);
+  ASSERT_TRUE(WindsOnce(crossings));
+  std::size_t wrong = 0;
+  for (std::size_t sharp = 0; sharp < face.size(); ++sharp) {
+    face.vertex.assign(face.size(), 1);
+    face.vertex[sharp] = 0;
+    const std::vector<Vec3> images = ImagesOf(face);
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      EXPECT_EQ(images[i], i == sharp ? face.point[i] : crossings[i]);
+    }
+    if (!WindsOnce(images)) ++wrong;
+  }
+  EXPECT_GT(wrong, 0U);
+}
+
 // Section 3.2.1, step 2.
 TEST(FeatureFace, LinesAreParallelToEdgesAtTheirPartOfTheDistance) {
   Random random(94);

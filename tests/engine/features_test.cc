@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <optional>
@@ -145,6 +146,48 @@ TEST(FeatureSurfaces, BoundariesAreTheBSplineOfTheGivenPoints) {
       const Vec3& middle = result.surface.positions[built.vertex_count() + built.edge()[h]];
       EXPECT_LE(MaxAbs(middle - 0.5 * (a + b)), 1e-15);
     }
+  }
+}
+
+// With plane faces it is in pieces, which end in corners at these faces' vertices.
+TEST(FeatureSurfaces, BoundariesEndInCornersAtPlaneFaces) {
+  PolygonMesh mesh = oracle::QuadPatch(5, 4);
+  // Flat, so that faces have planes.
+  for (Vec3& p : mesh.positions) p.z = 0.1 * p.x - 0.2 * p.y;
+  const HalfEdgeMesh built = oracle::BuildOrDie(mesh);
+  const PolygonWalk walk(built);
+  for (const Index plane : {Index{0}, Index{2}}) {
+    FeatureValues values = RandomValues(built, 14);
+    values.faces = {{plane, FaceKind::kPlane}};
+    LIMN_ASSERT_OK_AND_ASSIGN(const InterpolateResult result,
+                              Interpolate(Context{}, mesh, With(values, 1)));
+    std::size_t corners = 0;
+    std::size_t others = 0;
+    for (Index h = 0; h < built.half_edge_count(); ++h) {
+      if (built.twin()[h] != kNoIndex) continue;
+      const Index v = built.vertex()[h];
+      const Index next = built.vertex()[walk.Next(h)];
+      const Vec3& middle = result.surface.positions[built.vertex_count() + built.edge()[h]];
+      const Vec3& at = mesh.positions[v];
+      EXPECT_LE(MaxAbs(middle - 0.5 * (at + mesh.positions[next])), 1e-15);
+      const absl::Span<const Index> face = mesh.face(plane);
+      if (std::count(face.begin(), face.end(), v) > 0) {
+        EXPECT_EQ(result.surface.positions[v], at);
+        ++corners;
+      } else if (built.valence(v) == 2) {
+        // Half way between the curve's points before and after.
+        Index before = built.fan()[built.fan_begin()[v]];
+        for (Index g = 0; g < built.half_edge_count(); ++g) {
+          if (built.twin()[g] == kNoIndex && built.vertex()[walk.Next(g)] == v) before = g;
+        }
+        const Vec3& from = mesh.positions[built.vertex()[before]];
+        const Vec3 expected = 0.75 * at + 0.125 * (from + mesh.positions[next]);
+        EXPECT_LE(MaxAbs(result.surface.positions[v] - expected), 1e-15) << v;
+        ++others;
+      }
+    }
+    EXPECT_GE(corners, 2U);
+    EXPECT_GE(others, 6U);
   }
 }
 

@@ -199,7 +199,16 @@ INSTANTIATE_TEST_SUITE_P(
                               c->mutable_features()->add_faces()->set_kind(
                                   static_cast<v1::FeatureValues::FaceKind>(3));
                             },
-                            Reason::kInvalidOption, "constraints.features.faces[1].kind"}),
+                            Reason::kInvalidOption, "constraints.features.faces[1].kind"},
+                    BadCase{"FeatureEdgeWithoutValue",
+                            [](auto* c) {
+                              c->mutable_features()->add_edges()->set_value(0);
+                              c->mutable_features()->add_edges()->set_to(1);
+                            },
+                            Reason::kInvalidOption, "constraints.features.edges[1].value"},
+                    BadCase{"FeatureVertexWithoutValue",
+                            [](auto* c) { c->mutable_features()->add_vertices()->set_vertex(3); },
+                            Reason::kInvalidOption, "constraints.features.vertices[0].value"}),
     [](const auto& test) { return test.param.name; });
 
 TEST(ConstraintsFromProtoTest, FeatureValuesArriveInTheirOrder) {
@@ -216,12 +225,14 @@ TEST(ConstraintsFromProtoTest, FeatureValuesArriveInTheirOrder) {
   edge->set_from(7);
   edge->set_to(2);
   edge->set_value(0.75);
-  features->add_edges()->set_face(0);
+  edge = features->add_edges();
+  edge->set_face(0);
+  edge->set_value(0);
   v1::FeatureValues::Vertex* vertex = features->add_vertices();
   vertex->set_vertex(5);
   vertex->set_face(4);
   vertex->set_value(0.5);
-  features->add_vertices();
+  features->add_vertices()->set_value(0.25);
   const absl::StatusOr<Constraints> got = ConstraintsFromProto(constraints, 8);
   ASSERT_TRUE(got.ok()) << got.status();
   ASSERT_TRUE(got->features.has_value());
@@ -239,7 +250,6 @@ TEST(ConstraintsFromProtoTest, FeatureValuesArriveInTheirOrder) {
   EXPECT_FALSE(values.edges[0].face.has_value());
   EXPECT_EQ(values.edges[0].value, 0.75);
   EXPECT_EQ(values.edges[1].face, 0U);
-  // What is not set is 0 in an entry, as it is in any message.
   EXPECT_EQ(values.edges[1].value, 0);
   ASSERT_EQ(values.vertices.size(), 2U);
   EXPECT_EQ(values.vertices[0].vertex, 5U);

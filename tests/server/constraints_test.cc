@@ -276,7 +276,27 @@ INSTANTIATE_TEST_SUITE_P(
                 [](auto* c) {
                   c->mutable_shape_handles(1)->set_value(std::numeric_limits<double>::infinity());
                 },
-                "INVALID_OPTION", "constraints.shape_handles[1].value"}),
+                "INVALID_OPTION", "constraints.shape_handles[1].value"},
+        Refused{"FeatureValueMissing",
+                [](auto* c) {
+                  c->mutable_features()->add_edges()->set_value(0);
+                  c->mutable_features()->add_edges()->set_to(1);
+                },
+                "INVALID_OPTION", "constraints.features.edges[1].value"},
+        Refused{"FeatureValueTooLarge",
+                [](auto* c) { c->mutable_features()->set_default_vertex(1.5); }, "INVALID_OPTION",
+                "constraints.features.default_vertex"},
+        Refused{"FeatureFaceOutOfRange",
+                [](auto* c) { c->mutable_features()->add_faces()->set_face(1 << 20); },
+                "INDEX_OUT_OF_RANGE", "constraints.features.faces[0].face"},
+        // The faces of the sphere are not planar, and its normals are at their vertices.
+        Refused{"FeaturePlanes",
+                [](auto* c) {
+                  c->clear_normals();
+                  c->clear_shape_handles();
+                  c->mutable_features()->set_default_face(v1::FeatureValues::FACE_KIND_PLANE);
+                },
+                "INVALID_OPTION", "constraints.features.default_face"}),
     [](const auto& test) { return test.param.name; });
 
 }  // namespace

@@ -79,6 +79,9 @@ auto Open(v1::LimnService::Stub& stub, grpc::ClientContext* context, v1::Interpo
 auto Open(v1::LimnService::Stub& stub, grpc::ClientContext* context, v1::EvaluateRequest*) {
   return stub.Evaluate(context);
 }
+auto Open(v1::LimnService::Stub& stub, grpc::ClientContext* context, v1::BatchRequest*) {
+  return stub.Batch(context);
+}
 
 }  // namespace
 
@@ -130,6 +133,7 @@ v1::RichStatus RawStream<Request, Response>::rich_status() {
 
 template class RawStream<v1::InterpolateRequest, v1::InterpolateResponse>;
 template class RawStream<v1::EvaluateRequest, v1::EvaluateResponse>;
+template class RawStream<v1::BatchRequest, v1::BatchResponse>;
 
 struct EventLog::Lines {
   std::mutex mutex;

@@ -66,6 +66,7 @@ class RawStream {
 };
 using RawCall = RawStream<v1::InterpolateRequest, v1::InterpolateResponse>;
 using RawEvaluation = RawStream<v1::EvaluateRequest, v1::EvaluateResponse>;
+using RawBatch = RawStream<v1::BatchRequest, v1::BatchResponse>;
 
 // The same upload, as Evaluate takes it.
 std::vector<v1::EvaluateRequest> MakeEvaluateUpload(v1::InterpolateHeader header,

@@ -1,0 +1,341 @@
+// SPDX-License-Identifier: MIT
+#include "server/batch_reactor.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "engine/base/error.h"
+#include "engine/base/guard.h"
+#include "proto/wire/status.h"
+
+namespace limn {
+namespace {
+
+// Messages that are encoded, or being so, while one is written.
+constexpr std::size_t kMostEncoded = 4;
+
+using Seconds = std::chrono::duration<double>;
+
+// Whether the message is a part of a job's answer, not one about a job.
+bool IsAnswer(const v1::BatchResponse& message) {
+  return message.has_response() && !message.response().has_accepted() &&
+         !message.response().has_progress();
+}
+
+std::int64_t Inflight(const v1::BatchResponse& message) {
+  return IsAnswer(message) ? static_cast<std::int64_t>(message.ByteSizeLong()) : 0;
+}
+
+absl::Status Gone() {
+  return MakeError("the client cancelled or is gone", {.reason = Reason::kCancelled});
+}
+
+absl::Status Stopping() {
+  return MakeError("the server is stopping", {.reason = Reason::kShuttingDown,
+                                              .remedy = "Try another server, or again later"});
+}
+
+}  // namespace
+
+BatchReactor* BatchReactor::Create(ServiceCore& core, KeptJobs& kept,
+                                   grpc::CallbackServerContext* context) {
+  auto* reactor = new BatchReactor(core, kept, context);
+  reactor->self_.reset(reactor);
+  reactor->Start();
+  return reactor;
+}
+
+BatchReactor::BatchReactor(ServiceCore& core, KeptJobs& kept, grpc::CallbackServerContext* context)
+    : core_(core),
+      kept_(kept),
+      context_(context),
+      caller_(IdentifyCaller(*context, core.tokens.get())),
+      start_(Clock::now()),
+      watch_(core.limits, start_) {}
+
+void BatchReactor::Start() {
+  const Lock lock(mutex_);
+  // First registered, then looked: a drain that begins now either finds it or is seen by it.
+  core_.streams.Add(self_);
+  if (!caller_.authorized.ok()) {
+    End(caller_.authorized);
+  } else if (core_.draining.load()) {
+    End(Stopping());
+  }
+  Advance();
+  TryWrite();
+}
+
+void BatchReactor::OnReadDone(bool ok) {
+  const Lock lock(mutex_);
+  reading_ = false;
+  if (end_.has_value()) {
+    // A client that sends everything before it reads must get that far, or the write that is under
+    // way would never end.
+    if (ok && !finished_) {
+      reading_ = true;
+      StartRead(&request_);
+    }
+    return;
+  }
+  watch_.Touch(Clock::now());
+  if (!ok && context_->IsCancelled()) {
+    End(Gone());
+  } else if (!ok) {
+    EndOfRequests();
+  } else {
+    const absl::Status status =
+        Guarded("taking a message", Reason::kInternal, [this] { return TakeMessage(); });
+    if (!status.ok()) End(status);
+  }
+  Advance();
+  PumpEncoders();
+  TryWrite();
+}
+
+void BatchReactor::AddJob(const JobPointer& job) {
+  jobs_[job->id()] = job;
+  job->Attach(weak_from_this());
+}
+
+void BatchReactor::JobReady(const JobPointer& job) {
+  const Lock lock(mutex_);
+  if (end_.has_value()) return;
+  Ready(job);
+  Advance();
+  PumpEncoders();
+  TryWrite();
+}
+
+void BatchReactor::Ready(const JobPointer& job) {
+  if (const absl::Status status = job->error(); !status.ok()) {
+    Fail(job, status);
+  } else {
+    ready_.push_back(job);
+  }
+}
+
+// For a job that has failed already, or that is nobody's yet.
+void BatchReactor::Fail(const JobPointer& job, const absl::Status& status) {
+  (void)job->Stop(status);
+  if (!job->digest().empty()) kept_.Forget(*job);
+  jobs_.erase(job->id());
+  SendError(job->id(), status);
+}
+
+void BatchReactor::SendError(const std::string& id, const absl::Status& status) {
+  ++failed_;
+  auto message = std::make_unique<v1::BatchResponse>();
+  message->set_job_id(id);
+  *message->mutable_error() = wire::ToRichStatus(status, id);
+  outbox_.push_back(std::move(message));
+}
+
+void BatchReactor::PumpEncoders() {
+  while (!end_.has_value() && !ready_.empty() && outbox_.size() + encoding_ < kMostEncoded) {
+    const JobPointer job = std::move(ready_.front());
+    ready_.pop_front();
+    if (!job->BeginEncode(this)) continue;
+    ++encoding_;
+    job->delivery().Post([self = shared_from_this(), job] { self->Encode(job); });
+  }
+}
+
+void BatchReactor::Encode(const JobPointer& job) {
+  auto message = std::make_unique<v1::BatchResponse>();
+  message->set_job_id(job->id());
+  const absl::StatusOr<bool> more = job->Encode(message->mutable_response());
+
+  const Lock lock(mutex_);
+  --encoding_;
+  if (end_.has_value()) return;
+  if (!more.ok()) {
+    Fail(job, more.status());
+  } else if (*more) {
+    core_.metrics.AddInflight(Inflight(*message));
+    outbox_.push_back(std::move(message));
+    ready_.push_back(job);
+  } else {
+    ++succeeded_;
+    watch_.Touch(Clock::now());
+    jobs_.erase(job->id());
+    if (!job->digest().empty()) {
+      answered_.push_back(job);
+      if (answered_.size() > core_.limits.batch_window) (void)GiveUpAnAnswer();
+    }
+  }
+  Advance();
+  PumpEncoders();
+  TryWrite();
+}
+
+void BatchReactor::TryWrite() {
+  if (writing_ != nullptr || finished_) return;
+  const bool all_answered = input_ended_ && waiting_ == Waiting::kNothing && jobs_.empty();
+  if (!end_.has_value() && outbox_.empty() && all_answered && !TotalsChanged()) {
+    End(absl::OkStatus());
+  }
+  if (end_.has_value()) {
+    finished_ = true;
+    watch_.BeginWrite(Clock::now(), false);
+    context_->AddTrailingMetadata(kRequestIdKey, caller_.request_id);
+    Finish(wire::ToGrpcStatus(*end_, caller_.request_id));
+  } else if (!outbox_.empty()) {
+    std::unique_ptr<v1::BatchResponse> message = std::move(outbox_.front());
+    outbox_.pop_front();
+    Write(std::move(message));
+  } else if (TotalsChanged() && (progress_round_ || all_answered)) {
+    WriteTotals();
+  } else {
+    (void)WriteProgress();
+  }
+}
+
+bool BatchReactor::WriteProgress() {
+  if (!progress_round_) return false;
+  for (auto at = jobs_.upper_bound(progress_after_); at != jobs_.end(); ++at) {
+    std::optional<v1::Progress> progress = at->second->TakeProgress();
+    if (!progress.has_value()) continue;
+    progress_after_ = at->first;
+    auto message = std::make_unique<v1::BatchResponse>();
+    message->set_job_id(at->first);
+    *message->mutable_response()->mutable_progress() = *std::move(progress);
+    Write(std::move(message));
+    return true;
+  }
+  progress_round_ = false;
+  return false;
+}
+
+void BatchReactor::WriteTotals() {
+  told_ = received_ + succeeded_ + failed_;
+  auto message = std::make_unique<v1::BatchResponse>();
+  v1::BatchProgress* totals = message->mutable_progress();
+  totals->set_received(received_);
+  totals->set_succeeded(succeeded_);
+  totals->set_failed(failed_);
+  Write(std::move(message));
+}
+
+void BatchReactor::Write(std::unique_ptr<v1::BatchResponse> message) {
+  write_start_ = Clock::now();
+  watch_.BeginWrite(write_start_, IsAnswer(*message));
+  writing_ = std::move(message);
+  if (!std::exchange(named_, true)) context_->AddInitialMetadata(kRequestIdKey, caller_.request_id);
+  StartWrite(writing_.get());
+}
+
+void BatchReactor::OnWriteDone(bool ok) {
+  const Lock lock(mutex_);
+  const Clock::time_point now = Clock::now();
+  watch_.EndWrite(now, writing_->ByteSizeLong());
+  core_.metrics.AddStall(Seconds(now - write_start_).count());
+  core_.metrics.AddInflight(-Inflight(*writing_));
+  writing_.reset();
+  if (!ok) End(Gone());
+  Advance();
+  PumpEncoders();
+  TryWrite();
+}
+
+void BatchReactor::OnCancel() {
+  const Lock lock(mutex_);
+  End(Gone());
+  TryWrite();
+}
+
+void BatchReactor::Stop(const absl::Status& status) {
+  const Lock lock(mutex_);
+  End(status);
+  TryWrite();
+}
+
+// The first reason to end counts. Jobs with a digest go on without the stream.
+void BatchReactor::End(const absl::Status& status) {
+  if (end_.has_value()) return;
+  end_ = status;
+  uploading_ = nullptr;
+  if (admitting_ != nullptr && !admitting_->digest().empty()) kept_.Forget(*admitting_);
+  admitting_ = nullptr;
+  const Clock::time_point now = Clock::now();
+  for (auto& [id, job] : jobs_) {
+    const bool goes_on = job->Detach();
+    if (job->digest().empty()) {
+      (void)job->Stop(Gone());
+    } else if (goes_on && !core_.draining.load()) {
+      kept_.Keep(job, now);
+    } else {
+      (void)job->Stop(status.ok() ? Gone() : status);
+      kept_.Forget(*job);
+    }
+  }
+  jobs_.clear();
+  for (const JobPointer& job : answered_) {
+    (void)job->Detach();
+    kept_.Keep(job, now);
+  }
+  answered_.clear();
+  ready_.clear();
+  for (const auto& message : outbox_) core_.metrics.AddInflight(-Inflight(*message));
+  outbox_.clear();
+}
+
+void BatchReactor::CheckStall(Clock::time_point now) {
+  const Lock lock(mutex_);
+  if (done_) return;
+  const auto jobs = jobs_;
+  for (const auto& [id, job] : jobs) {
+    if (job->CheckQueueTime(now)) Fail(job, job->error());
+  }
+  progress_round_ = true;
+  progress_after_.clear();
+  Advance();
+  PumpEncoders();
+  TryWrite();
+  const bool writing = writing_ != nullptr || finished_;
+  const bool reading = !end_.has_value() && !input_ended_ && waiting_ == Waiting::kNothing;
+  const bool upload = reading && uploading_ != nullptr;
+  absl::Status status = watch_.Check(now, {.for_reader = writing,
+                                           .for_message = upload || (reading && jobs_.empty()),
+                                           .for_upload = upload});
+  if (status.ok() && !end_.has_value()) status = CheckTimes(now);
+  if (status.ok()) return;
+  End(status);
+  // An orderly end would not get through to a reader that takes nothing.
+  if (writing) context_->TryCancel();
+  TryWrite();
+}
+
+absl::Status BatchReactor::CheckTimes(Clock::time_point now) const {
+  const std::uint64_t stream = core_.limits.stream_seconds;
+  if (stream > 0 && now - start_ >= std::chrono::seconds(stream)) {
+    return MakeError(absl::StrCat("the call has taken ", stream, " seconds (limit stream-seconds)"),
+                     {.reason = Reason::kLimitExceeded, .limit = "stream-seconds"});
+  }
+  // Nothing new is taken, and what was taken has been answered.
+  if (core_.draining.load() && jobs_.empty() && outbox_.empty() && !input_ended_) {
+    return Stopping();
+  }
+  return absl::OkStatus();
+}
+
+void BatchReactor::OnDone() {
+  {
+    const Lock lock(mutex_);
+    done_ = true;
+    const absl::Status status = end_.value_or(absl::UnknownError("ended without a reason"));
+    core_.metrics.CountRequest("Batch", status);
+    LogLine line("batch");
+    line.Add("request_id", caller_.request_id).Add("peer", caller_.peer);
+    line.Add("client", caller_.client);
+    line.Add("code", absl::StatusCodeToString(status.code()));
+    if (!status.ok()) line.Add("message", std::string(status.message()));
+    line.Add("received", received_).Add("succeeded", succeeded_).Add("failed", failed_);
+    core_.log->Info(line);
+  }
+  core_.streams.Remove(this);
+  core_.lanes.batch.delivery().Post([self = std::move(self_)] {});
+}
+
+}  // namespace limn
