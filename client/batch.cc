@@ -16,6 +16,7 @@
 #include "client/batch_reporter.h"
 #include "client/batch_stream.h"
 #include "client/client_call.h"
+#include "client/retry.h"
 #include "engine/base/error.h"
 #include "limn/v1/limn.grpc.pb.h"
 #include "proto/wire/status.h"
@@ -35,27 +36,14 @@ std::uint64_t LimitOf(const v1::GetServerInfoResponse& info, std::string_view na
   return otherwise;
 }
 
-// Whether another stream may do better than the one that ended like this: one that was cut, by
-// whatever is on the way, carries no details of Limn's.
+// Whether another stream may do better than the one that ended like this.
 bool MayPass(const grpc::Status& end) {
   const absl::Status status = wire::FromGrpcStatus(end);
-  if (end.error_details().empty()) {
-    switch (status.code()) {
-      case absl::StatusCode::kOk:
-      case absl::StatusCode::kUnavailable:
-      case absl::StatusCode::kCancelled:
-      case absl::StatusCode::kUnknown:
-      case absl::StatusCode::kInternal:
-      case absl::StatusCode::kAborted:
-        return true;
-      default:
-        return false;
-    }
-  }
+  if (status.ok() || ServerWentAway(status)) return true;
   const auto detail = GetErrorDetail(status);
   const std::string limit = detail.has_value() ? detail->limit : "";
-  return status.code() == absl::StatusCode::kUnavailable || (detail && detail->retryable) ||
-         limit == "stream-seconds" || limit == "stall-seconds" || limit == "min-bytes-per-second";
+  return (detail.has_value() && detail->retryable) || limit == "stream-seconds" ||
+         limit == "stall-seconds" || limit == "min-bytes-per-second";
 }
 
 absl::Status ErrorOf(const grpc::Status& end) {
