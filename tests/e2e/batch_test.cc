@@ -190,7 +190,7 @@ TEST_F(BatchE2e, AFolderIsABatchAndEveryJobHasTheFilesThatAreAskedFor) {
 TEST_F(BatchE2e, GoesOnWhenTheServerIsKilledAndComesBack) {
   constexpr int kJobs = 120;
   constexpr int kMeshes = 4;
-  Generate(kMeshes, 3000);
+  Generate(kMeshes, 6000);
   WriteManifest(kJobs, kMeshes, false);
   ServerProcess server(space_);
   Process* batch =
@@ -208,7 +208,7 @@ TEST_F(BatchE2e, GoesOnWhenTheServerIsKilledAndComesBack) {
 TEST_F(BatchE2e, ResumeDoesWhatAServerThatStayedAwayLeft) {
   constexpr int kJobs = 120;
   constexpr int kMeshes = 4;
-  Generate(kMeshes, 3000);
+  Generate(kMeshes, 6000);
   WriteManifest(kJobs, kMeshes, false);
   ServerProcess server(space_);
   Process* batch = space_.StartLimn(
@@ -233,7 +233,7 @@ TEST_F(BatchE2e, ResumeDoesWhatAServerThatStayedAwayLeft) {
 TEST_F(BatchE2e, CtrlCKeepsWhatIsDoneAndResumeDoesTheRest) {
   constexpr int kJobs = 120;
   constexpr int kMeshes = 4;
-  Generate(kMeshes, 3000);
+  Generate(kMeshes, 6000);
   WriteManifest(kJobs, kMeshes, false);
   Process* batch = space_.StartLimn({"batch", At("jobs.jsonl"), "-o", At("out")});
   ASSERT_TRUE(WaitUntil(30, [&] { return Surfaces("out") >= 5; })) << batch->ErrorText();
@@ -257,7 +257,7 @@ TEST_F(BatchE2e, CtrlCKeepsWhatIsDoneAndResumeDoesTheRest) {
 TEST_F(BatchE2e, AClientThatIsKilledGoesOnByResumeThoughItsLastLineWasCutOff) {
   constexpr int kJobs = 120;
   constexpr int kMeshes = 4;
-  Generate(kMeshes, 3000);
+  Generate(kMeshes, 6000);
   WriteManifest(kJobs, kMeshes, false);
   ServerProcess server(space_);
   const std::vector<std::string> command = {"batch",   At("jobs.jsonl"), "-o",
