@@ -134,19 +134,18 @@ bool BatchJob::BeginEncode(const Stream* stream) {
   return true;
 }
 
-absl::StatusOr<bool> BatchJob::Encode(v1::InterpolateResponse* message) {
-  absl::StatusOr<bool> more = run_.NextMessage(message);
+absl::Status BatchJob::Encode(v1::InterpolateResponse* message) {
+  const absl::Status status = run_.NextMessage(message).status();
   bool tell = false;
   {
     const Lock lock(mutex_);
     encoding_ = false;
-    if (error_.ok() && !more.ok()) error_ = more.status();
+    if (error_.ok()) error_ = status;
     if (!error_.ok()) {
       phase_ = Phase::kFailed;
-      more = error_;
     } else if (rewind_) {
       run_.job()->Rewind();
-    } else if (!*more) {
+    } else if (message->has_summary()) {
       phase_ = Phase::kAnswered;
     } else if (message->has_tile() && !std::exchange(tile_seen_, true)) {
       core_.metrics.ObserveFirstTile(Seconds(Clock::now() - start_).count());
@@ -155,7 +154,7 @@ absl::StatusOr<bool> BatchJob::Encode(v1::InterpolateResponse* message) {
   }
   // The stream that it was encoded for is not the one that it has now.
   if (tell) Tell();
-  return more;
+  return error();
 }
 
 absl::Status BatchJob::error() const {

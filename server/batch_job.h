@@ -66,8 +66,9 @@ class BatchJob final : public std::enable_shared_from_this<BatchJob> {
   // Whether `stream` may make a message of its answer now; then it must call Encode, once, from
   // one thread.
   [[nodiscard]] bool BeginEncode(const Stream* stream);
-  // False: the answer is complete. Errors: those of Job::NextMessage, after which it has failed.
-  [[nodiscard]] absl::StatusOr<bool> Encode(v1::InterpolateResponse* message);
+  // The next message of its answer; after the last one, answered() is true. Errors: those of
+  // Job::NextMessage, after which it has failed.
+  [[nodiscard]] absl::Status Encode(v1::InterpolateResponse* message);
 
   // Why it failed, if it did.
   absl::Status error() const;

@@ -145,29 +145,31 @@ void BatchReactor::PumpEncoders() {
 void BatchReactor::Encode(const JobPointer& job) {
   auto message = std::make_unique<v1::BatchResponse>();
   message->set_job_id(job->id());
-  const absl::StatusOr<bool> more = job->Encode(message->mutable_response());
+  const absl::Status status = job->Encode(message->mutable_response());
 
   const Lock lock(mutex_);
   --encoding_;
   if (end_.has_value()) return;
-  if (!more.ok()) {
-    Fail(job, more.status());
-  } else if (*more) {
+  if (status.ok()) {
     core_.metrics.AddInflight(Inflight(*message));
     outbox_.push_back(std::move(message));
-    ready_.push_back(job);
+    // Before the client can have seen it.
+    job->answered() ? Answered(job) : ready_.push_back(job);
   } else {
-    ++succeeded_;
-    watch_.Touch(Clock::now());
-    jobs_.erase(job->id());
-    if (!job->digest().empty()) {
-      answered_.push_back(job);
-      if (answered_.size() > core_.limits.batch_window) (void)GiveUpAnAnswer();
-    }
+    Fail(job, status);
   }
   Advance();
   PumpEncoders();
   TryWrite();
+}
+
+void BatchReactor::Answered(const JobPointer& job) {
+  ++succeeded_;
+  watch_.Touch(Clock::now());
+  jobs_.erase(job->id());
+  if (job->digest().empty()) return;
+  answered_.push_back(job);
+  if (answered_.size() > core_.limits.batch_window) (void)GiveUpAnAnswer();
 }
 
 void BatchReactor::TryWrite() {
@@ -299,11 +301,10 @@ void BatchReactor::CheckStall(Clock::time_point now) {
   absl::Status status = watch_.Check(now, {.for_reader = writing,
                                            .for_message = upload || (reading && jobs_.empty()),
                                            .for_upload = upload});
-  if (status.ok() && !end_.has_value()) status = CheckTimes(now);
-  if (status.ok()) return;
-  End(status);
   // An orderly end would not get through to a reader that takes nothing.
-  if (writing) context_->TryCancel();
+  if (!status.ok() && writing) context_->TryCancel();
+  if (status.ok() && !end_.has_value()) status = CheckTimes(now);
+  if (!status.ok()) End(status);
   TryWrite();
 }
 

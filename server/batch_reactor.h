@@ -80,6 +80,7 @@ class BatchReactor final : public grpc::ServerBidiReactor<v1::BatchRequest, v1::
   void Fail(const JobPointer& job, const absl::Status& status);
   void SendError(const std::string& id, const absl::Status& status);
   void Ready(const JobPointer& job);
+  void Answered(const JobPointer& job);
   void PumpEncoders();
   void TryWrite();
   bool WriteProgress();

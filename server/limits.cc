@@ -56,14 +56,20 @@ constexpr std::array kTable = {
     LimitEntry{"max-streams", &ServerLimits::max_streams, "streams",
                "Calls at a time on one connection", 1, 100'000},
     LimitEntry{"max-message-bytes", &ServerLimits::max_message_bytes, "bytes",
-               "Bytes of one message to the server", kLeastMessageBytes, std::uint64_t{64} << 20},
-    LimitEntry{"stall-seconds", &ServerLimits::stall_seconds, "seconds",
-               "Time without a message from a client that uploads or without one taken by a client "
-               "that is answered, after which its call is ended",
-               1, kDay},
+               "Bytes of one message to the server; a job's constraints travel in one",
+               kLeastMessageBytes, std::uint64_t{64} << 20},
+    LimitEntry{"max-network-bytes", &ServerLimits::max_network_bytes, "bytes",
+               "Memory for messages that arrive and for the calls they belong to; above it, calls "
+               "are ended, whichever they are",
+               std::uint64_t{64} << 20, kMostBytes},
+    LimitEntry{
+        "stall-seconds", &ServerLimits::stall_seconds, "seconds",
+        "Time without progress of an upload or an answer, or without parameters, after which a "
+        "call is ended",
+        1, kDay},
     LimitEntry{"min-bytes-per-second", &ServerLimits::min_bytes_per_second, "bytes/s",
-               "What a client that uploads has to send, and one that is answered to take, on "
-               "average over stall-seconds; 0 is no demand",
+               "What a client has to send of an upload, or take of an answer, on average over "
+               "stall-seconds; 0 is no demand",
                0, std::uint64_t{1} << 40},
     LimitEntry{"stream-seconds", &ServerLimits::stream_seconds, "seconds",
                "Time that a call may take in all; 0 is any", 0, 365 * kDay},
@@ -85,8 +91,8 @@ constexpr std::array kTable = {
                "Time that jobs have to finish after SIGTERM or SIGINT", 0, kDay},
     LimitEntry{
         "max-connection-age", &ServerLimits::max_connection_age, "seconds",
-        "Age at which a connection is asked to end, so that balancers can move clients; 0 is "
-        "never",
+        "Age at which a connection is asked to end, so that balancers can move clients, after "
+        "which its calls have stream-seconds; 0 is never",
         0, 365 * kDay},
 };
 

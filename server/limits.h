@@ -29,6 +29,8 @@ struct ServerLimits {
   std::uint64_t max_connections = 1000;
   std::uint64_t max_streams = 64;
   std::uint64_t max_message_bytes = std::uint64_t{2} << 20;
+  // Some times what max_uploads messages take.
+  std::uint64_t max_network_bytes = std::uint64_t{1} << 30;
   std::uint64_t stall_seconds = 60;
   std::uint64_t min_bytes_per_second = std::uint64_t{32} << 10;
   std::uint64_t stream_seconds = 3600;
@@ -37,7 +39,7 @@ struct ServerLimits {
   std::uint64_t connection_idle_seconds = 600;
   std::uint64_t stuck_seconds = 30;
   std::uint64_t drain_seconds = 30;
-  std::uint64_t max_connection_age = 0;
+  std::uint64_t max_connection_age = 3600;
 };
 
 // A row of the table.

@@ -4,6 +4,7 @@
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/resource_quota.h>
 
 #include <algorithm>
 #include <array>
@@ -41,6 +42,7 @@ constexpr std::chrono::seconds kFarewell(2);
 constexpr std::chrono::milliseconds kLastCalls(500);
 // For work of ended streams to see that it is to stop.
 constexpr std::chrono::seconds kLastWork(2);
+constexpr int kReflectionThreads = 16;
 constexpr int kSecond = 1000;
 // What stays with an idle process, and when the rest goes.
 constexpr std::size_t kKeptHeap = std::size_t{64} << 20;
@@ -100,10 +102,24 @@ void SetChannelArguments(const ServerLimits& limits, grpc::ServerBuilder* builde
   if (limits.max_connection_age > 0) {
     builder->AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_MS,
                                 Milliseconds(limits.max_connection_age));
+    if (limits.stream_seconds > 0) {
+      builder->AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_GRACE_MS,
+                                  Milliseconds(limits.stream_seconds));
+    }
   }
   // Compressed messages are refused: they hide their size, and meshes have codecs of their own.
   builder->SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);
   builder->SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
+}
+
+// A call whose message has arrived in part only is nothing that anybody but gRPC knows of, and
+// nothing that a token has been asked of: what all of them hold together is gRPC's to bound. And
+// each call of reflection has a thread of gRPC's.
+void SetQuota(const ServerLimits& limits, grpc::ServerBuilder* builder) {
+  grpc::ResourceQuota quota("limnd");
+  quota.Resize(limits.max_network_bytes);
+  quota.SetMaxThreads(kReflectionThreads);
+  builder->SetResourceQuota(quota);
 }
 
 }  // namespace
@@ -240,6 +256,7 @@ absl::Status Server::Impl::WarmUp() {
 // What is listened on; connections are taken from Listener::Start on.
 absl::Status Server::Impl::Listen(const ServerOptions& options, grpc::ServerBuilder* builder) {
   if (options.listen.empty()) return absl::OkStatus();
+  SetQuota(options.limits, builder);
   LIMN_ASSIGN_OR_RETURN(listener, Listener::Bind(options.listen, options.limits.max_connections));
   using Type = grpc::ServerBuilder::experimental_type::ExternalConnectionType;
   acceptor = builder->experimental().AddExternalConnectionAcceptor(

@@ -9,6 +9,8 @@ v1::GetServerInfoResponse MakeServerInfo(const ServerLimits& limits, int threads
   v1::GetServerInfoResponse info;
   info.set_version(LIMN_VERSION);
   info.add_schemes(v1::SCHEME_DOO_SABIN);
+  info.add_schemes(v1::SCHEME_CATMULL_CLARK);
+  info.add_schemes(v1::SCHEME_LOOP);
   info.add_encodings(v1::MESH_ENCODING_PACKED);
   info.add_encodings(v1::MESH_ENCODING_DRACO);
   info.add_encodings(v1::MESH_ENCODING_DRACO_QUANTIZED);

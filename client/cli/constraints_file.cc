@@ -19,7 +19,8 @@ void AddConstraintsFlag(CLI::App& app, std::string* path) {
 
 absl::StatusOr<v1::Constraints> ParseConstraints(const std::string& json, const std::string& path) {
   v1::Constraints constraints;
-  LIMN_RETURN_IF_ERROR(ParseMessage(json, {.path = path, .field = "constraints"}, &constraints));
+  LIMN_RETURN_IF_ERROR(ParseMessage(
+      json, {.path = path, .field = "constraints", .prefix = "constraints."}, &constraints));
   return constraints;
 }
 

@@ -24,6 +24,7 @@
 //   VFV divide the ways from V_i to the sorted W_i. They are not sorted again: where neighbouring
 // VFV differ much, V'_i may be out of order, but VFV 0 always is the vertex itself.
 //   e = 0 for both edges: W_i = V_i. e = 1 for both: W_i = C. VFV 0: V'_i = V_i; 1: V'_i = W_i.
+// EFV 0, or VFV 0, everywhere: the surface of planar convex faces is the polyhedron.
 #pragma once
 
 #include <cstdint>

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The planes of plane faces, and the mesh cut along them. Source: Xu and Kondo, section 3.2.2: what
-// surrounds a plane face is an open surface that ends at the face's edges.
+// The planes of plane faces, into which their vertices are moved. Source: none; Xu and Kondo,
+// section 3.2.2, take plane faces for planar.
 #pragma once
 
-#include <cstdint>
-
-#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/types/span.h"
 #include "engine/base/buffer.h"
@@ -47,14 +44,5 @@ struct PlanePoints {
                                                              const HalfEdgeMesh& mesh,
                                                              const FeatureTable& table,
                                                              const PlanePoints& given);
-
-// T^0 with every plane face a component of its own: the same faces and corners; vertices of plane
-// faces are there once for each run of faces between two cut edges, first those of T^0, each for
-// one of its runs, then the others. plane: one per face of mesh, which is from HalfEdgeMesh::Build.
-// Errors: LIMIT_EXCEEDED, CANCELLED, DEADLINE_EXCEEDED. Cost: as HalfEdgeMesh::Build. Same result
-// for any number of threads.
-[[nodiscard]] absl::StatusOr<HalfEdgeMesh> CutAlongPlanes(const Context& context,
-                                                          const HalfEdgeMesh& mesh,
-                                                          absl::Span<const std::uint8_t> plane);
 
 }  // namespace limn

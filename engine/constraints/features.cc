@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
+#include "engine/constraints/feature_cut.h"
 #include "engine/constraints/feature_face.h"
 #include "engine/constraints/feature_planes.h"
 #include "engine/constraints/perturb.h"

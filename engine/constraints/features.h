@@ -7,7 +7,7 @@
 //
 // Plane faces (section 3.2.2; values of edges and vertices in them count for nothing). The surface
 // around a plane face is an open one that ends at its edges, so the mesh is cut along them
-// (engine/constraints/feature_planes.h) and both sides share a boundary curve
+// (engine/constraints/feature_cut.h) and both sides share a boundary curve
 // (engine/refine/boundary_curve.h). At an edge between a plane and a surface face its points are
 // the feet of the perpendiculars from the surface face's images of the edge's ends: the paper's V_s
 // and V_e, in which the images are mirrored so that the curve is met. The plane region is a
@@ -74,7 +74,10 @@ struct FeatureTask {
   Vec3 origin = {0, 0, 0};
 };
 
-// The surface of a mesh whose feature values and points may change again and again. Not
+// The surface of a mesh whose feature values and points may change again and again, in about half
+// of the time that it takes with its connectivity (FeatureValues and FeatureValuesAfresh of
+// tests/benchmarks/engine_benchmark.cc). What is made of surface().mesh alone, such as the fans and
+// the connectivity that refinement needs, stays good as long as cuts() is the same. Not
 // thread-safe.
 class FeatureSurface {
  public:

@@ -80,7 +80,9 @@ TEST_P(BadTextTest, IsRefusedWithFileFieldAndPlace) {
 
 std::vector<BadText> BadTexts() {
   return {
-      {"UnknownField", R"({"colour": 1})", {"colour: there is no such field"}},
+      {"UnknownField",
+       R"({"colour": 1})",
+       {"dir/c.json: constraints.colour: there is no such field"}},
       {"UnknownFieldInside",
        R"({"normals": [{"vertex": 1}, {"vertx": 2}]})",
        {"normals[1].vertx: there is no such field"}},
@@ -112,6 +114,10 @@ std::vector<BadText> BadTexts() {
        R"({"normals": [{"vertex": 1, "normal": [0, 0, 1]}]})",
        {"normals[0].normal: a list does not belong here"}},
       {"ListForInterpolate", R"({"interpolate": [0, 5]})", {"interpolate: a list does not belong"}},
+      {"UnknownName",
+       R"({"features": {"defaultFace": "FLAT"}})",
+       {"dir/c.json: constraints.features.default_face: \"FLAT\" is none of "
+        "FACE_KIND_UNSPECIFIED, FACE_KIND_PLANE, FACE_KIND_SURFACE"}},
       {"NumberForEntry", R"({"normals": [7]})", {"normals[0]: 7 is not an object"}},
       {"List", "[1, 2]", {"there is no object"}},
       {"Null", "null", {"there is no object"}},

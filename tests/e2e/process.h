@@ -32,6 +32,7 @@ class Process {
   int Wait(double timeout_seconds = 60);
   // Whether it has not ended yet.
   bool Running();
+  pid_t pid() const { return pid_; }
 
   std::string Output() const;
   // What has been written to stderr so far.

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 // The server as a process: start, stop, cancel, and what the client says when it is not there.
+#include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 
 #include <csignal>
 #include <string>
 #include <vector>
 
+#include "limn/v1/limn.grpc.pb.h"
 #include "tests/e2e/process.h"
 
 namespace limn::e2e {
@@ -32,6 +34,32 @@ class ServerE2e : public testing::Test {
 
   Workspace space_;
 };
+
+// One table: what --help says is what GetServerInfo answers; server_tests has the README's.
+TEST_F(ServerE2e, HelpAndServerInfoTellTheSameLimits) {
+  Process help({LIMND_BINARY, "--help"}, space_.log("help"));
+  ASSERT_EQ(help.Wait(20), 0);
+  const std::string text = help.Output();
+  ServerProcess server(space_);
+  const auto stub = v1::LimnService::NewStub(
+      grpc::CreateChannel(server.address(), grpc::InsecureChannelCredentials()));
+  grpc::ClientContext context;
+  v1::GetServerInfoResponse info;
+  ASSERT_TRUE(stub->GetServerInfo(&context, {}, &info).ok());
+  std::size_t at = text.find("Limits:");
+  ASSERT_NE(at, std::string::npos);
+  for (const v1::Limit& limit : info.limits()) {
+    SCOPED_TRACE(limit.name());
+    at = text.find("\n  --" + limit.name() + " ", at);
+    ASSERT_NE(at, std::string::npos) << text;
+    const std::string entry = text.substr(at + 1, text.find("\n  --", at + 1) - at);
+    EXPECT_NE(entry.find("]=" + std::to_string(limit.value()) + "\n"), std::string::npos) << entry;
+    EXPECT_NE(entry.find(limit.description() + " (" + limit.unit() + ")\n"), std::string::npos)
+        << entry;
+  }
+  // And no other flags of that group.
+  EXPECT_EQ(text.find("\n  --", at + 1), std::string::npos) << text.substr(at);
+}
 
 TEST_F(ServerE2e, SigtermEndsAnIdleServerWithZero) {
   ServerProcess server(space_);

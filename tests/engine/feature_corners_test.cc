@@ -195,6 +195,39 @@ TEST(PlaneFaces, MovedVerticesGoTheShortestWay) {
   }
 }
 
+// The shortest way into several planes is a sum of their normals.
+TEST(PlaneFaces, MovedVerticesOfSeveralPlanesGoTheShortestWay) {
+  const PolygonMesh cube = LiftedCube(0.1);
+  const HalfEdgeMesh mesh = oracle::BuildOrDie(cube);
+  const oracle::Points given = oracle::FromVec3(cube.positions);
+  for (const std::vector<Index>& planes :
+       {std::vector<Index>{0}, {0, 2}, {0, 2, 4}, {0, 1, 2, 3, 4, 5}}) {
+    LIMN_ASSERT_OK_AND_ASSIGN(const FeatureTable table,
+                              MakeFeatureTable(Context{}, mesh, Planes(planes)));
+    LIMN_ASSERT_OK_AND_ASSIGN(
+        const Buffer<Vec3> moved,
+        FlattenPlaneFaces(Context{}, mesh, table, {.points = cube.positions, .scale = 3.5}));
+    for (std::size_t v = 0; v < 8; ++v) {
+      oracle::Point rest = oracle::FromVec3({moved[v] - cube.positions[v]})[0];
+      // What is left of it across the normals, made orthogonal one by one.
+      oracle::Points used;
+      for (const Index f : planes) {
+        const absl::Span<const Index> face = cube.face(f);
+        if (std::count(face.begin(), face.end(), static_cast<Index>(v)) == 0) continue;
+        oracle::Points corners;
+        for (const Index w : face) corners.push_back(given[w]);
+        const oracle::Point middle = oracle::Centroid(corners);
+        for (oracle::Point& p : corners) p = p - middle;
+        oracle::Point normal = oracle::Equation10(corners);
+        for (const oracle::Point& u : used) normal = normal - oracle::Dot(normal, u) * u;
+        used.push_back(oracle::Unit(normal));
+      }
+      for (const oracle::Point& u : used) rest = rest - oracle::Dot(rest, u) * u;
+      EXPECT_LE(oracle::Norm(rest), 1e-14L) << v << " of " << planes.size();
+    }
+  }
+}
+
 TEST(PlaneFaces, WhatHasNoPlaneIsRefused) {
   // A face on a line.
   PolygonMesh line = oracle::Cube();

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
-// What the tests of plane faces share.
+// What the tests of feature values share.
 #pragma once
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
+#include <random>
 #include <set>
 #include <utility>
 #include <vector>
@@ -14,6 +16,25 @@
 #include "tests/oracle/test_meshes.h"
 
 namespace limn {
+
+// Values of all kinds: defaults, of elements, and of elements in faces.
+inline FeatureValues RandomValues(const HalfEdgeMesh& mesh, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> value(0, 1);
+  const PolygonWalk walk(mesh);
+  FeatureValues values = {.default_edge = value(random), .default_vertex = value(random)};
+  for (Index h = 0; h < mesh.half_edge_count(); ++h) {
+    const Index v = mesh.vertex()[h];
+    if (random() % 2 == 0) {
+      values.edges.push_back({v, mesh.vertex()[walk.Next(h)], mesh.face()[h], value(random)});
+    }
+    if (random() % 3 == 0) values.vertices.push_back({v, mesh.face()[h], value(random)});
+    if (mesh.vertex_half_edge()[v] == h && random() % 3 == 0) {
+      values.vertices.push_back({v, std::nullopt, value(random)});
+    }
+  }
+  return values;
+}
 
 inline FeatureValues Planes(const std::vector<Index>& faces, double edge = 0.4) {
   FeatureValues values = {.default_edge = edge};

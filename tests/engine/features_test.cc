@@ -6,16 +6,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <optional>
-#include <random>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "engine/constraints/certificate.h"
 #include "engine/interpolate.h"
+#include "tests/engine/feature_planes_testing.h"
 #include "tests/oracle/expect.h"
 #include "tests/oracle/features.h"
 #include "tests/oracle/open_meshes.h"
@@ -23,25 +23,6 @@
 
 namespace limn {
 namespace {
-
-// Values of all kinds: defaults, of elements, and of elements in faces.
-FeatureValues RandomValues(const HalfEdgeMesh& mesh, std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> value(0, 1);
-  const PolygonWalk walk(mesh);
-  FeatureValues values = {.default_edge = value(random), .default_vertex = value(random)};
-  for (Index h = 0; h < mesh.half_edge_count(); ++h) {
-    const Index v = mesh.vertex()[h];
-    if (random() % 2 == 0) {
-      values.edges.push_back({v, mesh.vertex()[walk.Next(h)], mesh.face()[h], value(random)});
-    }
-    if (random() % 3 == 0) values.vertices.push_back({v, mesh.face()[h], value(random)});
-    if (mesh.vertex_half_edge()[v] == h && random() % 3 == 0) {
-      values.vertices.push_back({v, std::nullopt, value(random)});
-    }
-  }
-  return values;
-}
 
 InterpolateOptions With(FeatureValues values, std::uint32_t level = 2) {
   InterpolateOptions options = {.level = level};
@@ -122,6 +103,40 @@ TEST_P(FeatureSurfaceTest, InterpolatedVerticesAndNormalsAreMet) {
 }
 
 LIMN_FOR_CLOSED_MESHES(FeatureSurfaceTest);
+
+double AreaOf(const Tessellation& surface) {
+  double area = 0;
+  for (std::size_t q = 0; q < surface.face_count(); ++q) {
+    const auto at = [&](std::size_t i) {
+      return surface.positions[surface.face_vertices[4 * q + i]];
+    };
+    area += 0.5 *
+            (Norm(Cross(at(1) - at(0), at(2) - at(0))) + Norm(Cross(at(2) - at(0), at(3) - at(0))));
+  }
+  return area;
+}
+
+// The ends of the values' range, on the cube of (+-1, +-1, +-1): with EFV or VFV 0 everywhere it is
+// the polyhedron, covered once; with 1 all images of a face are its centroid, and it is the dual
+// one, the octahedron.
+TEST(FeatureSurfaces, AtTheEndsOfTheRangeAreThePolyhedronAndItsDual) {
+  const PolygonMesh cube = oracle::Moved(oracle::Cube(), 2, {-1, -1, -1});
+  for (const FeatureValues& values : {FeatureValues{.default_edge = 0, .default_vertex = 1},
+                                      FeatureValues{.default_edge = 0.7, .default_vertex = 0}}) {
+    LIMN_ASSERT_OK_AND_ASSIGN(const InterpolateResult sharp,
+                              Interpolate(Context{}, cube, With(values, 4)));
+    for (const Vec3& p : sharp.surface.positions) ASSERT_NEAR(MaxAbs(p), 1, 1e-15);
+    for (std::size_t v = 0; v < 8; ++v) EXPECT_EQ(sharp.surface.positions[v], cube.positions[v]);
+    EXPECT_NEAR(AreaOf(sharp.surface), 24, 1e-12);
+  }
+  LIMN_ASSERT_OK_AND_ASSIGN(
+      const InterpolateResult dual,
+      Interpolate(Context{}, cube, With({.default_edge = 1, .default_vertex = 1}, 4)));
+  for (const Vec3& p : dual.surface.positions) {
+    ASSERT_NEAR(std::fabs(p.x) + std::fabs(p.y) + std::fabs(p.z), 1, 1e-15);
+  }
+  EXPECT_NEAR(AreaOf(dual.surface), 4 * std::sqrt(3.0), 1e-12);
+}
 
 TEST(FeatureSurfaces, NothingIsInterpolatedOrCertifiedByDefault) {
   const PolygonMesh cube = oracle::Cube();
@@ -227,132 +242,6 @@ TEST(FeatureSurfaces, FarFromTheOriginAreTheSame) {
     ASSERT_LE(MaxAbs(b.surface.positions[v] - far - a.surface.positions[v]), 1e-9);
     ASSERT_LE(MaxAbs(b.surface.normals[v] - a.surface.normals[v]), 1e-6);
   }
-}
-
-bool SameSurface(const DooSabinSurface& a, const DooSabinSurface& b) {
-  return a.corners == b.corners && a.boundary.half_edge == b.boundary.half_edge &&
-         a.boundary.start == b.boundary.start && a.boundary.end == b.boundary.end &&
-         a.boundary.centre == b.boundary.centre && a.boundary.sharp == b.boundary.sharp;
-}
-
-TEST(FeatureSurfaces, ChangedValuesKeepConnectivityAndMemory) {
-  const PolygonMesh mesh = oracle::Prism(7);
-  const Context context;
-  LIMN_ASSERT_OK_AND_ASSIGN(FeatureSurface surface,
-                            FeatureSurface::Create(context, oracle::BuildOrDie(mesh)));
-  Constraints constraints;
-  const auto make = [&](const FeatureValues& values) {
-    constraints.features = values;
-    const absl::Status status =
-        surface.Make(context, {.points = mesh.positions, .constraints = constraints});
-    EXPECT_TRUE(status.ok()) << status;
-  };
-  const auto fresh = [&](const FeatureValues& values) {
-    constraints.features = values;
-    FeatureSurface other = *FeatureSurface::Create(context, oracle::BuildOrDie(mesh));
-    EXPECT_TRUE(other.Make(context, {.points = mesh.positions, .constraints = constraints}).ok());
-    return std::move(other).TakeSurface();
-  };
-  const FeatureValues first = RandomValues(surface.given(), 11);
-  const FeatureValues second = RandomValues(surface.given(), 12);
-  make(first);
-  const Index* const twins = surface.surface().mesh.twin().data();
-  const Vec3* const corners = surface.surface().corners.data();
-  make(second);
-  EXPECT_EQ(surface.surface().mesh.twin().data(), twins);
-  EXPECT_EQ(surface.surface().corners.data(), corners);
-  EXPECT_EQ(surface.cuts(), 0U);
-  EXPECT_TRUE(SameSurface(surface.surface(), fresh(second)));
-
-  // A plane face cuts, once; its neighbours' values only move points.
-  FeatureValues plane = first;
-  plane.faces = {{0, FaceKind::kPlane}};
-  make(plane);
-  EXPECT_EQ(surface.cuts(), 1U);
-  const Index* const cut_twins = surface.surface().mesh.twin().data();
-  plane.default_edge = 0.9;
-  plane.edges = second.edges;
-  make(plane);
-  EXPECT_EQ(surface.cuts(), 1U);
-  EXPECT_EQ(surface.surface().mesh.twin().data(), cut_twins);
-  EXPECT_TRUE(SameSurface(surface.surface(), fresh(plane)));
-  EXPECT_EQ(surface.given().twin().data(), twins);
-
-  make(first);
-  EXPECT_EQ(surface.cuts(), 2U);
-  EXPECT_EQ(surface.surface().mesh.twin().data(), twins);
-  EXPECT_TRUE(SameSurface(surface.surface(), fresh(first)));
-}
-
-TEST(FeatureSurfaces, AnErrorDoesNotSpoilTheNext) {
-  const PolygonMesh mesh = oracle::Cube();
-  const Context context;
-  LIMN_ASSERT_OK_AND_ASSIGN(FeatureSurface surface,
-                            FeatureSurface::Create(context, oracle::BuildOrDie(mesh)));
-  Constraints constraints;
-  constraints.features = FeatureValues{.faces = {{0, FaceKind::kPlane}}};
-  const FeatureTask task = {.points = mesh.positions, .constraints = constraints};
-  ASSERT_TRUE(surface.Make(context, task).ok());
-  const Buffer<Vec3> corners = surface.surface().corners;
-  constraints.features->default_edge = 2;
-  EXPECT_FALSE(surface.Make(context, task).ok());
-  const Context cancelled;
-  cancelled.Cancel();
-  constraints.features = FeatureValues{.faces = {{1, FaceKind::kPlane}}};
-  EXPECT_EQ(surface.Make(cancelled, task).code(), absl::StatusCode::kCancelled);
-  constraints.features = FeatureValues{.faces = {{0, FaceKind::kPlane}}};
-  ASSERT_TRUE(surface.Make(context, task).ok());
-  EXPECT_EQ(surface.surface().corners, corners);
-}
-
-// The cut mesh is too large for the limits of one call, which fails half way.
-TEST(FeatureSurfaces, AnErrorWhileCuttingDoesNotSpoilTheNext) {
-  const PolygonMesh mesh = oracle::Cube();
-  const Context context;
-  const Context small(Limits{.max_vertices = mesh.vertex_count()});
-  const FeatureValues kinds[] = {
-      {}, {.faces = {{0, FaceKind::kPlane}}}, {.faces = {{1, FaceKind::kPlane}}}};
-  Constraints constraints;
-  const FeatureTask task = {.points = mesh.positions, .constraints = constraints};
-  for (const FeatureValues& before : kinds) {
-    for (const FeatureValues& after : kinds) {
-      LIMN_ASSERT_OK_AND_ASSIGN(FeatureSurface surface,
-                                FeatureSurface::Create(context, oracle::BuildOrDie(mesh)));
-      constraints.features = before;
-      ASSERT_TRUE(surface.Make(context, task).ok());
-      constraints.features = FeatureValues{.faces = {{4, FaceKind::kPlane}}};
-      EXPECT_EQ(surface.Make(small, task).code(), absl::StatusCode::kResourceExhausted);
-      constraints.features = after;
-      ASSERT_TRUE(surface.Make(context, task).ok());
-      LIMN_ASSERT_OK_AND_ASSIGN(FeatureSurface fresh,
-                                FeatureSurface::Create(context, oracle::BuildOrDie(mesh)));
-      ASSERT_TRUE(fresh.Make(context, task).ok());
-      EXPECT_TRUE(SameSurface(surface.surface(), fresh.surface()));
-    }
-  }
-}
-
-// Wherever the time runs out.
-TEST(FeatureSurfaces, ADeadlineInsideDoesNotSpoilTheNext) {
-  const PolygonMesh mesh = oracle::TorusOfTriangles(40, 40);
-  const Context context;
-  LIMN_ASSERT_OK_AND_ASSIGN(FeatureSurface surface,
-                            FeatureSurface::Create(context, oracle::BuildOrDie(mesh)));
-  FeatureSurface fresh = *FeatureSurface::Create(context, oracle::BuildOrDie(mesh));
-  Constraints one;
-  one.features = FeatureValues{.faces = {{1, FaceKind::kPlane}, {77, FaceKind::kPlane}}};
-  Constraints other;
-  other.features = FeatureValues{.faces = {{50, FaceKind::kPlane}}};
-  ASSERT_TRUE(fresh.Make(context, {.points = mesh.positions, .constraints = one}).ok());
-  std::size_t stopped = 0;
-  for (int i = 0; i < 60; ++i) {
-    ASSERT_TRUE(surface.Make(context, {.points = mesh.positions, .constraints = one}).ok());
-    ASSERT_TRUE(SameSurface(surface.surface(), fresh.surface()));
-    Context late;
-    late.set_deadline(Context::Clock::now() + std::chrono::microseconds(20 * i));
-    if (!surface.Make(late, {.points = mesh.positions, .constraints = other}).ok()) ++stopped;
-  }
-  EXPECT_GT(stopped, 0U);
 }
 
 TEST(FeatureSurfaces, NormalsAtVerticesOfTwoFacesAreRefused) {

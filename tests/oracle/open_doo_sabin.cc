@@ -76,6 +76,7 @@ class FirstRefined {
         mesh_.points.push_back(p);
       }
     }
+    if (!wishes_.images.empty()) mesh_.points = wishes_.images;
     corners_ = static_cast<int>(mesh_.points.size());
     rim_ = corners_ + 2 * static_cast<int>(edges_.size());
     const int vertices = static_cast<int>(given_.points.size());
@@ -112,6 +113,8 @@ class FirstRefined {
     return static_cast<int>(mesh_.points.size()) - 1;
   }
   Point Curve(int v, int other) const {
+    const auto known = wishes_.curve.find({v, other});
+    if (known != wishes_.curve.end()) return known->second;
     return 0.25L * (3.0L * control_[At(v)] + control_[At(other)]);
   }
 

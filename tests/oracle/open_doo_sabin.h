@@ -5,6 +5,7 @@
 #pragma once
 
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "tests/oracle/doo_sabin.h"
@@ -18,6 +19,11 @@ struct Wishes {
   std::map<int, Real> handles;
   // Eq. 1 instead of Eq. 4 in the first step.
   bool standard_rule = false;
+  // Images that come from elsewhere, corner by corner; empty: by the rule.
+  Points images;
+  // Curve points from elsewhere: the one near v on the boundary edge of v and w, under (v, w). The
+  // others are (3 V + W) / 4.
+  std::map<std::pair<int, int>, Point> curve;
 
   bool meets(int v) const {
     return interpolated.empty() || interpolated[static_cast<std::size_t>(v)];

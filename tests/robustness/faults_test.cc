@@ -4,10 +4,14 @@
 
 #include <chrono>
 #include <csignal>
+#include <filesystem>
+#include <iterator>
+#include <memory>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "tests/robustness/half_calls.h"
 #include "tests/robustness/harness.h"
 
 namespace limn::robustness {
@@ -150,6 +154,52 @@ TEST(FaultsTest, GarbageOnTheWireEndsItsConnectionOnly) {
     EXPECT_TRUE(BareConnection(subject.port(), bytes).Closed(40));
   }
   EXPECT_TRUE(subject.SmallJob().ok());
+}
+
+TEST(FaultsTest, MessagesThatNeverArriveWholeAreBoundedTogether) {
+  constexpr double kMiB = 1 << 20;
+  Subject subject({"--max-network-bytes", std::to_string(64 << 20)});
+  ASSERT_TRUE(subject.SmallJob().ok());
+  const double before = subject.Metric("process_resident_memory_bytes");
+  // Calls of what has no token asked of it yet, or never: 512 MiB if they were let.
+  const std::string methods[] = {"/limn.v1.LimnService/GetServerInfo",
+                                 "/grpc.health.v1.Health/Check"};
+  std::vector<std::unique_ptr<HalfCalls>> connections;
+  for (int i = 0; i < 4; ++i) {
+    connections.push_back(
+        std::make_unique<HalfCalls>(subject.port(), methods[i % 2], 64, (2 << 20) - 100));
+  }
+  const auto sum = [&](auto value) {
+    double total = 0;
+    for (const auto& connection : connections) total += value(*connection);
+    return total;
+  };
+  // The server begins to end them.
+  EXPECT_TRUE(WaitUntil(30, [&] { return sum([](const auto& c) { return c.open(); }) < 200; }));
+  EXPECT_GT(sum([](const auto& c) { return static_cast<double>(c.sent()); }), 32 * kMiB);
+  std::this_thread::sleep_for(milliseconds(500));
+  EXPECT_LT(subject.Metric("process_resident_memory_bytes"), before + 160 * kMiB);
+  connections.clear();
+  EXPECT_TRUE(WaitUntil(20, [&] { return subject.SmallJob().ok(); })) << subject.server().Log();
+}
+
+TEST(FaultsTest, CallsOfReflectionThatSayNothingTakeFewThreads) {
+  Subject subject;
+  const auto threads = [&] {
+    return std::distance(std::filesystem::directory_iterator(
+                             "/proc/" + std::to_string(subject.server().process().pid()) + "/task"),
+                         {});
+  };
+  const auto before = threads();
+  std::vector<std::unique_ptr<HalfCalls>> connections;
+  for (int i = 0; i < 4; ++i) {
+    connections.push_back(std::make_unique<HalfCalls>(
+        subject.port(), "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo", 64, 100));
+  }
+  EXPECT_TRUE(WaitUntil(20, [&] { return connections.back()->open() < 64; }));
+  std::this_thread::sleep_for(milliseconds(500));
+  EXPECT_LT(threads(), before + 40);
+  EXPECT_TRUE(subject.SmallJob().ok()) << subject.server().Log();
 }
 
 TEST(FaultsTest, DescriptorsRunOutAndTheServerRecovers) {

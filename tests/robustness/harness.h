@@ -45,6 +45,9 @@ class Subject {
   int metrics_port_ = 0;
 };
 
+// A socket that is connected to the port on the loopback address; -1 when that fails.
+int Dial(int port);
+
 // A TCP connection that sends what it is told and reads nothing.
 class BareConnection {
  public:

@@ -72,6 +72,7 @@ TEST(ServerTest, InfoTellsTheTableOfLimits) {
   ASSERT_TRUE(info.ok()) << info.status();
   EXPECT_EQ(info->version(), LIMN_VERSION);
   EXPECT_EQ(info->threads(), 3U);
+  EXPECT_EQ(info->schemes_size(), 3);
   ASSERT_EQ(static_cast<std::size_t>(info->limits_size()), LimitTable().size());
   for (int i = 0; i < info->limits_size(); ++i) {
     const LimitEntry& entry = LimitTable()[static_cast<std::size_t>(i)];
