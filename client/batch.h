@@ -83,8 +83,9 @@ struct BatchOptions {
   std::string name = {};
 };
 
-// A batch. Jobs are sent and answered at the same time. ClientOptions::deadline_seconds is a job's
-// time from when it is first sent, its waiting at the server included.
+// A batch. Jobs are sent and answered at the same time, all to one server, and where there are
+// several to another one when that goes away. ClientOptions::deadline_seconds is a job's time from
+// when it is first sent, its waiting at the server included.
 class ClientBatch {
  public:
   // client: its channel and options are shared.

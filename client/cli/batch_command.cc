@@ -113,14 +113,14 @@ ExitStatus Answer(const BatchFlags& flags, const End& end, const BatchCounts& co
 
 ExitStatus RunBatch(const BatchFlags& flags) {
   absl::Status status = CheckFolders(flags);
-  if (!status.ok()) return FailWithOption(status);
+  if (!status.ok()) return FailWithFile(status);
   const absl::StatusOr<std::vector<BatchEntry>> entries =
       ReadBatchEntries(flags.jobs, flags.defaults);
   if (!entries.ok()) return FailWithFile(entries.status());
   status = CheckBatchOutputs(
       *entries, flags.outputs,
       {flags.jobs, flags.defaults.constraints, BatchJournal::PathIn(flags.outputs.folder)});
-  if (!status.ok()) return FailWithOption(status);
+  if (!status.ok()) return FailWithFile(status);
   const auto journal = BatchJournal::Open(flags.outputs.folder, flags.resume);
   if (!journal.ok()) return FailWithFile(journal.status());
   const absl::StatusOr<Connection> connection = Connection::Open(flags.connection);

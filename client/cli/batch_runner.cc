@@ -99,8 +99,9 @@ std::optional<BatchJob> BatchRunner::Next() {
     if (!header.ok()) job.mesh = header.status();
     if (header.ok()) {
       std::string digest = DigestOf(*header, entry.input);
+      const bool done = IsDone(entry, digest);
       const std::lock_guard lock(mutex_);
-      if (IsDone(entry, digest)) {
+      if (done) {
         outcomes_[next_].state = State::kSkipped;
         ++counts_.skipped;
         continue;
@@ -124,15 +125,17 @@ absl::Status BatchRunner::Write(const BatchEntry& entry, const JobResult& result
 }
 
 absl::Status BatchRunner::Take(BatchResult result) {
-  const std::lock_guard lock(mutex_);
   const std::size_t index = index_of_.at(result.id);
   BatchOutcome outcome = {.seconds = result.seconds, .tries = result.tries};
   // It is left to be done.
   if (result.result.status().code() == absl::StatusCode::kCancelled) return absl::OkStatus();
   LIMN_RETURN_IF_ERROR(result.result.ok() ? Succeed(index, *result.result, &outcome)
                                           : Fail(index, result.result.status(), &outcome));
-  ++(outcome.state == State::kSucceeded ? counts_.succeeded : counts_.failed);
-  outcomes_[index] = std::move(outcome);
+  {
+    const std::lock_guard lock(mutex_);
+    ++(outcome.state == State::kSucceeded ? counts_.succeeded : counts_.failed);
+    outcomes_[index] = std::move(outcome);
+  }
   ShowTotals("");
   return absl::OkStatus();
 }
@@ -154,7 +157,7 @@ absl::Status BatchRunner::Succeed(std::size_t index, const JobResult& result,
     PrintError(absl::StrCat(entry.id, ": ", warning));
   }
   return journal_->Add({.id = entry.id,
-                        .digest = digests_[index],
+                        .digest = DigestAt(index),
                         .status = "succeeded",
                         .files = NamesOf(OutputsOf(entry, outputs_))});
 }
@@ -169,21 +172,29 @@ absl::Status BatchRunner::Fail(std::size_t index, const absl::Status& status,
   bar_->Clear();
   PrintError(absl::StrCat(entry.id, ": ", outcome->message));
   return journal_->Add(
-      {.id = entry.id, .digest = digests_[index], .status = "failed", .reason = outcome->reason});
+      {.id = entry.id, .digest = DigestAt(index), .status = "failed", .reason = outcome->reason});
 }
 
 void BatchRunner::Show(const std::string& id, const v1::Progress& progress) {
-  const std::lock_guard lock(mutex_);
   ShowTotals(absl::StrFormat("; %s: %s %d %%", entries_[index_of_.at(id)].id, progress.stage(),
                              static_cast<int>(100 * progress.fraction())));
 }
 
 void BatchRunner::ShowTotals(const std::string& note) {
-  const std::uint64_t done = counts_.succeeded + counts_.failed + counts_.skipped;
+  const BatchCounts counts = [&] {
+    const std::lock_guard lock(mutex_);
+    return counts_;
+  }();
+  const std::uint64_t done = counts.succeeded + counts.failed + counts.skipped;
   const double part = static_cast<double>(done) / static_cast<double>(entries_.size());
   std::string text = absl::StrCat(WithCommas(done), " of ", WithCommas(entries_.size()), " jobs");
-  if (counts_.failed > 0) absl::StrAppend(&text, ", ", WithCommas(counts_.failed), " failed");
+  if (counts.failed > 0) absl::StrAppend(&text, ", ", WithCommas(counts.failed), " failed");
   bar_->Show("batch", part, text + note);
+}
+
+std::string BatchRunner::DigestAt(std::size_t index) const {
+  const std::lock_guard lock(mutex_);
+  return digests_[index];
 }
 
 std::vector<BatchOutcome> BatchRunner::outcomes() const {

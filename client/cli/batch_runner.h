@@ -43,6 +43,7 @@ class BatchRunner {
   absl::Status Succeed(std::size_t index, const JobResult& result, BatchOutcome* outcome);
   absl::Status Fail(std::size_t index, const absl::Status& status, BatchOutcome* outcome);
   void ShowTotals(const std::string& note);
+  std::string DigestAt(std::size_t index) const;
 
   const std::vector<BatchEntry>& entries_;
   const BatchOutputs& outputs_;
@@ -50,8 +51,9 @@ class BatchRunner {
   ProgressBar* bar_;
   absl::flat_hash_map<std::string, std::size_t> index_of_;
   std::size_t next_ = 0;
-  BatchCounts counts_;
+  // Never held while files are read or written, so that the two go on at the same time.
   mutable std::mutex mutex_;
+  BatchCounts counts_;
   std::vector<BatchOutcome> outcomes_;
   std::vector<std::string> digests_;
 };
