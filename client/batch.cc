@@ -46,10 +46,9 @@ bool MayPass(const grpc::Status& end) {
          limit == "stall-seconds" || limit == "min-bytes-per-second";
 }
 
+// Of a stream that ended before all jobs were answered.
 absl::Status ErrorOf(const grpc::Status& end) {
-  if (!end.ok()) return wire::FromGrpcStatus(end);
-  return MakeError("the server ended the stream before all jobs were answered",
-                   {.reason = Reason::kInternal, .remedy = "Use a server of this version"});
+  return end.ok() ? AnswerBrokeOff() : wire::FromGrpcStatus(end);
 }
 
 absl::Status CheckBatch(const BatchCallbacks& callbacks, const BatchOptions& options) {
