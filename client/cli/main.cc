@@ -21,9 +21,11 @@ namespace {
 constexpr const char* kFooter =
     "Exit status: 0 well, perhaps with a warning; 1 the input was refused, or a file cannot be "
     "read\n"
-    "or written; 2 the command line makes no sense; 3 the server; 130 interrupted. After a failure "
-    "no\n"
-    "output file is left that was not there before.";
+    "or written; 2 the command line makes no sense; 3 the server; 4 jobs of a batch failed, and "
+    "the\n"
+    "others are done; 130 interrupted. After a failure no output file of the job is left that was "
+    "not\n"
+    "there before.";
 
 // The help that was asked for goes to stdout; a mistake is named on stderr.
 ExitStatus AnswerParseError(const CLI::App& app, const CLI::ParseError& error) {
@@ -46,6 +48,7 @@ ExitStatus Main(int argc, char** argv) {
   app.footer(kFooter);
   ExitStatus status = ExitStatus::kOk;
   AddInterpolateCommand(app, &status);
+  AddBatchCommand(app, &status);
   AddFilterCommand(app, &status);
   AddFeaturesCommand(app, &status);
   AddEvaluateCommand(app, &status);
