@@ -48,8 +48,10 @@ void JobReactor<Rpc>::OnDone() {
                 phase_ != Phase::kRunning && !encoding_);
   }
   core_.streams.Remove(this);
-  // Giving back a large result takes long, so another thread does it.
-  delivery().Post([self = std::move(self_)] {});
+  std::shared_ptr<JobReactor> self = std::move(self_);
+  // Giving back a large result takes long, so another thread does it; but not what was never
+  // admitted, of which a client can make thousands a second.
+  if (run_.lane() != nullptr) delivery().Post([self = std::move(self)] {});
 }
 
 template void JobReactor<InterpolateRpc>::CheckStall(Clock::time_point now);
