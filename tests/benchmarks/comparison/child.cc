@@ -8,10 +8,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <fstream>
 #include <stdexcept>
+#include <thread>
 
 #include "tests/benchmarks/comparison/measure.h"
 
@@ -73,6 +75,22 @@ double PeakBytes(const std::function<void()>& work) {
   const double before = StatusBytes("VmRSS");
   work();
   return std::max(0.0, StatusBytes("VmHWM") - before);
+}
+
+double GivenProcessors() {
+  const std::string text = InChild([](std::FILE* out) {
+    const Instant begin = Now();
+    const auto spin = [&] {
+      while (Now().clock < begin.clock + 1) {
+      }
+    };
+    std::thread other(spin);
+    spin();
+    other.join();
+    const Instant end = Now();
+    std::fprintf(out, "%.17g\n", (end.processor - begin.processor) / (end.clock - begin.clock));
+  });
+  return std::strtod(text.c_str(), nullptr);
 }
 
 double Median(std::vector<double> values) {

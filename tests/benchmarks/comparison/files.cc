@@ -95,7 +95,8 @@ std::string Json(const Report& report) {
       List("cells", report.cells, CellJson), List("bandwidth", report.kernels.bandwidth, bandwidth),
       List("kernels", report.kernels.kernels, KernelJson), List("jobs", report.jobs, JobJson),
       List("goals", JudgeGoals(report), verdict)};
-  return absl::StrCat("{\n", absl::StrJoin(lists, ",\n"), "\n}\n");
+  return absl::StrCat("{\n \"processors\": ", Number(report.processors), ",\n",
+                      absl::StrJoin(lists, ",\n"), "\n}\n");
 }
 
 void WriteRatios(const Report& report, const std::string& folder) {

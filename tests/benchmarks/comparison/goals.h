@@ -11,6 +11,8 @@
 namespace limn::comparison {
 
 struct Report {
+  // What two threads were given before and after, the lesser; see GivenProcessors.
+  double processors = 2;
   std::vector<Cell> cells;
   KernelReport kernels;
   std::vector<JobOutcome> jobs;

@@ -107,6 +107,7 @@ int Main(int argc, char** argv) {
   }
   KeepHeap();
   Report report;
+  report.processors = GivenProcessors();
   for (const Meshes meshes : {Meshes::kQuads, Meshes::kTriangles, Meshes::kPolygons}) {
     if (Wanted(options.meshes, MeshesName(meshes))) MeasureMeshes(options, meshes, &report);
   }
@@ -115,6 +116,7 @@ int Main(int argc, char** argv) {
     report.kernels = MeasureKernels(options.sizes.back());
     report.jobs = MeasureJobs(options.sizes.back());
   }
+  report.processors = std::min(report.processors, GivenProcessors());
   std::cout << Markdown(report);
   std::ofstream(options.folder + "/results.json") << Json(report);
   WriteRatios(report, options.folder);

@@ -123,6 +123,7 @@ std::string Markdown(const Report& report) {
       "ratios of one thread to one: processor time. Peak MB: resident memory beyond what was "
       "there before. Difference: to Limn's answer (solvers: to the solution) over the bounding "
       "box.\n";
+  absl::StrAppendFormat(&text, "Two threads were given %s processors.\n", Short(report.processors));
   for (const TaskInfo& task : AllTasks()) AddTask(report, task, &text);
   AddKernels(report, &text);
   AddJobs(report, &text);

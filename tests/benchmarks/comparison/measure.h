@@ -28,9 +28,10 @@ struct Outcome {
   int threads = 1;
   // Why there are no figures; empty if there are.
   std::string missing;
-  // Medians over the rounds: of times by the clock, of processor times, and of ratios to Limn's with
-  // one and with two threads in the same round. Ratios of one thread to one thread are of processor
-  // times, which whatever else runs on the machine lengthens less; all others by the clock.
+  // Medians over the rounds: of times by the clock, of processor times, and of ratios to Limn's
+  // with one and with two threads in the same round. Ratios of one thread to one thread are of
+  // processor times, which whatever else runs on the machine lengthens less; all others by the
+  // clock.
   double seconds = 0;
   double processor_seconds = 0;
   double over_limn[2] = {0, 0};
@@ -61,6 +62,9 @@ std::string InChild(const std::function<void(std::FILE* out)>& work);
 
 // Most resident bytes of this process while work runs, beyond those before.
 double PeakBytes(const std::function<void()>& work);
+
+// Processors that two busy threads of this process are given now, at the most 2.
+double GivenProcessors();
 
 double Median(std::vector<double> values);
 

@@ -7,7 +7,7 @@ set terminal pngcairo size 1500,(380 * rows) font "sans,10"
 set output "ratios.png"
 set datafile separator tab
 set datafile missing "NaN"
-set key autotitle columnhead left top
+set key autotitle columnhead outside below maxrows 3
 set logscale xy
 set format x "10^{%T}"
 set xrange [300:2e6]

@@ -11,7 +11,8 @@ namespace limn::comparison {
 // Tables.
 std::string Markdown(const Report& report);
 
-// All figures: {"cells": [...], "bandwidth": [...], "kernels": [...], "jobs": [...], "goals":
+// All figures: {"processors": P, "cells": [...], "bandwidth": [...], "kernels": [...], "jobs":
+// [...], "goals":
 // [...]}, times in seconds, memory in bytes.
 std::string Json(const Report& report);
 
