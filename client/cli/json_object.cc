@@ -51,6 +51,10 @@ JsonObject& JsonObject::Add(std::string_view name, std::string_view value) {
   return AddRaw(name, Quoted(value));
 }
 
+JsonObject& JsonObject::Add(std::string_view name, double value) {
+  return AddRaw(name, NumberText(value));
+}
+
 JsonObject& JsonObject::Add(std::string_view name, const std::array<double, 3>& value) {
   return AddRaw(name, "[" + NumberText(value[0]) + ", " + NumberText(value[1]) + ", " +
                           NumberText(value[2]) + "]");

@@ -21,6 +21,7 @@ class JsonObject {
     return AddRaw(name, value ? "true" : "false");
   }
   JsonObject& Add(std::string_view name, std::string_view value);
+  JsonObject& Add(std::string_view name, double value);
   // Numbers that JSON does not know, such as NaN, become null.
   JsonObject& Add(std::string_view name, const std::array<double, 3>& value);
   JsonObject& Add(std::string_view name, const JsonObject& value);

@@ -21,9 +21,10 @@ namespace {
 constexpr const char* kFooter =
     "Exit status: 0 well, perhaps with a warning; 1 the input was refused, or a file cannot be "
     "read\n"
-    "or written; 2 the command line makes no sense; 3 the server; 130 interrupted. After a failure "
-    "no\n"
-    "output file is left that was not there before.";
+    "or written; 2 the command line makes no sense; 3 the server; 5 what `limn load --slo` asks "
+    "for\n"
+    "was not kept; 130 interrupted. After a failure no output file is left that was not there\n"
+    "before.";
 
 // The help that was asked for goes to stdout; a mistake is named on stderr.
 ExitStatus AnswerParseError(const CLI::App& app, const CLI::ParseError& error) {
@@ -52,6 +53,7 @@ ExitStatus Main(int argc, char** argv) {
   AddGenerateCommand(app, &status);
   AddHealthCommand(app, &status);
   AddInfoCommand(app, &status);
+  AddLoadCommand(app, &status);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
