@@ -145,7 +145,7 @@ class Client {
 
 // Takes all of a call's answer to so many parameters and finishes it. on_progress: as in
 // Client::Run. Errors: the
-// call's; INTERNAL when the answer makes no sense.
+// call's; UNREACHABLE when the answer has no end; INTERNAL when it makes no sense.
 [[nodiscard]] absl::StatusOr<EvaluateResult> CollectEvaluation(
     ClientEvaluation* call, std::size_t parameters, const Client::ProgressCallback& on_progress);
 

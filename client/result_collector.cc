@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "client/retry.h"
 #include "engine/base/error.h"
 #include "proto/wire/mesh_codec.h"
 
@@ -49,7 +50,7 @@ absl::Status ResultCollector::AddControlMesh(const v1::ControlMeshPart& part) {
 }
 
 absl::StatusOr<JobResult> ResultCollector::Finish() {
-  if (!summary_) return BadAnswer("it has no summary");
+  if (!summary_) return AnswerBrokeOff();
   JobResult result;
   if (control_) {
     if (!control_->complete()) return BadAnswer("the control mesh is not complete");

@@ -23,8 +23,9 @@ class ResultCollector {
   // Errors: INTERNAL for messages that make no sense, and those of the decoders.
   [[nodiscard]] absl::Status Add(v1::InterpolateResponse message);
 
-  // The whole answer, after its last message. Errors: INTERNAL when something is missing or is not
-  // what the summary says, and those of the decoders. The collector is empty afterwards.
+  // The whole answer, after its last message. Errors: UNREACHABLE when it has no end; INTERNAL when
+  // something is missing or is not what the summary says, and those of the decoders. The collector
+  // is empty afterwards.
   [[nodiscard]] absl::StatusOr<JobResult> Finish();
 
  private:

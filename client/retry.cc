@@ -8,6 +8,8 @@
 #include <thread>
 #include <utility>
 
+#include "engine/base/error.h"
+
 namespace limn {
 namespace {
 
@@ -48,6 +50,11 @@ bool ServerWentAway(const absl::Status& status) {
     default:
       return false;
   }
+}
+
+absl::Status AnswerBrokeOff() {
+  return MakeError("the answer broke off",
+                   {.reason = Reason::kUnreachable, .field = {}, .remedy = "Try again"});
 }
 
 Attempts::Attempts(const ClientOptions& options, std::function<bool()> stop)

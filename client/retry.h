@@ -16,6 +16,10 @@ namespace limn {
 // for instance). Thread-safe.
 [[nodiscard]] bool ServerWentAway(const absl::Status& status);
 
+// The error of an answer that ended well but early: what becomes of one whose server died behind a
+// proxy. UNREACHABLE, which ServerWentAway is true of. Thread-safe.
+[[nodiscard]] absl::Status AnswerBrokeOff();
+
 // Counts attempts and time of one job.
 class Attempts {
  public:

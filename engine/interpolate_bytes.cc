@@ -89,6 +89,17 @@ bool IsCreased(const Constraints& constraints) {
   return !constraints.creases.empty() || !constraints.corners.empty();
 }
 
+// What is sharp in the lists of OpenSubdiv and USD, as they are held while a Sharpness is made.
+double SharpListBytes(const Constraints& constraints) {
+  double vertices = 0;
+  for (const CreaseConstraint& crease : constraints.creases) {
+    vertices += static_cast<double>(crease.vertices.size());
+  }
+  return Bytes(vertices, sizeof(Index) + sizeof(float)) +
+         Indices(static_cast<double>(constraints.creases.size())) +
+         Bytes(static_cast<double>(constraints.corners.size()), sizeof(Index) + sizeof(float));
+}
+
 // A Sharpness, with holes.
 double SharpnessBytes(const Counts& n) {
   return Bytes(n.edges, sizeof(float)) + Bytes(n.vertices, sizeof(float)) + Bytes(n.faces, 1);
@@ -291,7 +302,8 @@ std::uint64_t EstimateBytes(std::uint64_t vertices, std::uint64_t faces, std::ui
   const Counts n = MakeCounts(vertices, faces, corners, boundary_edges);
   // The control points, and the input's where they are moved to the origin.
   const double control = 2 * Points(n.vertices) + Plan(n, options.constraints) + Curve(n) +
-                         Points(n.boundary) + Indices(n.boundary);
+                         Points(n.boundary) + Indices(n.boundary) +
+                         SharpListBytes(options.constraints);
   double peak = control + std::max(BuildPeak(n), SolvePeak(n, options));
   if (options.surface || options.keep_patches)
     peak = std::max(
@@ -307,9 +319,10 @@ std::uint64_t EstimateFilterBytes(std::uint64_t vertices, std::uint64_t faces,
                                   std::uint64_t boundary_edges) {
   const Counts n = MakeCounts(vertices, faces, corners, boundary_edges);
   // The rest, the sum and the limits; what limits of the scheme need beside them.
-  const double limits = surface.scheme == Scheme::kDooSabin
-                            ? Points(n.half_edges) + 2 * Curve(n)
-                            : SharpnessBytes(n) + Points(n.faces) + Curve(n);
+  const double limits =
+      surface.scheme == Scheme::kDooSabin
+          ? Points(n.half_edges) + 2 * Curve(n)
+          : SharpnessBytes(n) + SharpListBytes(surface.constraints) + Points(n.faces) + Curve(n);
   const double peak = std::max(BuildPeak(n), BuiltMesh(n) + 3 * Points(n.vertices) + limits);
   return Saturated(peak + peak / 64 + 4096);
 }

@@ -59,6 +59,21 @@ std::uint64_t AlwaysHeld(const JobSpec& spec) {
   return 2 * ConstraintBytes(spec.engine.constraints);
 }
 
+// The constraints of a repaired mesh, which name what came of each vertex and face that was named.
+// A list that has grown may be twice as long.
+std::uint64_t RenumberedBytes(const Constraints& given, const wire::MeshCounts& repaired) {
+  const auto list = [](std::uint64_t entries, std::uint64_t most, std::uint64_t size) {
+    return entries == 0 ? 0 : 2 * most * size;
+  };
+  const std::uint64_t vertices = repaired.vertices;
+  return Sum({list(given.interpolate ? given.interpolate->size() : 0, vertices, sizeof(Index)),
+              list(given.normals.size(), vertices, sizeof(NormalConstraint)),
+              list(given.shape_handles.size(), vertices, sizeof(ShapeHandle)),
+              list(given.surface_points.size(), vertices, sizeof(SurfaceConstraint)),
+              list(given.corners.size(), vertices, sizeof(CornerConstraint)),
+              list(given.holes.size(), repaired.faces, sizeof(Index))});
+}
+
 wire::TileOptions LargestTiles(const JobSpec& spec) {
   wire::TileOptions tiles = spec.tiles;
   // Large faces of level 0 may raise it.
@@ -112,7 +127,8 @@ std::uint64_t EstimateJobBytes(const JobSpec& spec) {
     repairing = Sum({wire::MeshMemory(CountsOf(spec)),
                      EstimateRepairBytes(spec.mesh.vertex_count(), spec.mesh.face_count(),
                                          spec.mesh.corner_count())});
-    mapping = (counts.vertices + counts.faces) * sizeof(Index);
+    mapping = Sum({(counts.vertices + counts.faces) * sizeof(Index),
+                   RenumberedBytes(spec.engine.constraints, counts)});
   }
   std::uint64_t computing = Sum(
       {mesh, EstimateBytes(counts.vertices, counts.faces, counts.corners, spec.engine, boundary)});

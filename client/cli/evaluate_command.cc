@@ -95,7 +95,7 @@ absl::Status Write(const EvaluateFlags& flags, const ParametersFile& file,
 
 ExitStatus Run(const EvaluateFlags& flags) {
   absl::Status status = CheckFiles(flags);
-  if (!status.ok()) return FailWithOption(status);
+  if (!status.ok()) return FailWithFile(status);
   absl::StatusOr<v1::InterpolateHeader> header = MakeHeader(flags);
   if (!header.ok()) return FailWithFile(header.status());
   const absl::StatusOr<ParametersFile> file = ReadParametersFile(flags.parameters);

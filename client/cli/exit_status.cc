@@ -37,8 +37,6 @@ ExitStatus FailWithFile(const absl::Status& status) {
   return Fail(status, std::string(status.message()), ExitStatus::kRefused);
 }
 
-ExitStatus FailWithOption(const absl::Status& status) { return FailWithFile(status); }
-
 ExitStatus FailWithJob(const absl::Status& status) {
   if (status.code() == absl::StatusCode::kDeadlineExceeded) {
     PrintError("the job took longer than --deadline allows; allow it more seconds");

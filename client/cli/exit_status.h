@@ -29,11 +29,9 @@ void PrintError(std::string_view what);
 
 // Each prints the error and returns its exit status. `status` is not ok.
 
-// Of a file that was to be read or written: kUsage for INVALID_OPTION, such as an ending that is
-// not known, otherwise kRefused.
+// Of a file that was to be read or written, or of an option's value: kUsage for INVALID_OPTION,
+// such as an ending that is not known, otherwise kRefused.
 ExitStatus FailWithFile(const absl::Status& status);
-// Of an option's value: the same.
-ExitStatus FailWithOption(const absl::Status& status);
 // Of a job, in words of the command line: a flag's value that makes no sense is kUsage, anything
 // else that is wrong with the input kRefused, everything else kServer.
 ExitStatus FailWithJob(const absl::Status& status);

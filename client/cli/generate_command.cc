@@ -54,12 +54,12 @@ std::string FacesText(const std::string& path, const PolygonMesh& mesh) {
 
 ExitStatus Run(const GenerateFlags& flags) {
   const absl::StatusOr<MeshKind> kind = ParseMeshKind(flags.kind);
-  if (!kind.ok()) return FailWithOption(kind.status());
+  if (!kind.ok()) return FailWithFile(kind.status());
   absl::Status status = CheckWritable(flags.output, OutputKind::kMesh);
-  if (!status.ok()) return FailWithOption(status);
+  if (!status.ok()) return FailWithFile(status);
   const absl::StatusOr<PolygonMesh> mesh =
       GenerateMesh({.kind = *kind, .vertices = flags.vertices, .seed = flags.seed});
-  if (!mesh.ok()) return FailWithOption(mesh.status());
+  if (!mesh.ok()) return FailWithFile(mesh.status());
   status = WriteMeshFile(flags.output, *mesh);
   if (!status.ok()) return FailWithFile(status);
   std::printf("%s: %s vertices, %s\n", flags.output.c_str(),

@@ -49,7 +49,7 @@ absl::Status CheckFlags(const SurfaceFlags& flags) {
 
 ExitStatus RunSurfaceCommand(const SurfaceFlags& flags) {
   absl::Status status = CheckFlags(flags);
-  if (!status.ok()) return FailWithOption(status);
+  if (!status.ok()) return FailWithFile(status);
   absl::StatusOr<v1::InterpolateHeader> header = MakeHeader(flags);
   if (!header.ok()) return FailWithFile(header.status());
 

@@ -132,14 +132,16 @@ absl::StatusOr<Buffer<std::uint8_t>> ReadAddedEdges(const draco::Mesh& mesh) {
   return added;
 }
 
-absl::StatusOr<Polygons> RebuildPolygons(const draco::Mesh& mesh, Buffer<Index> triangles) {
+absl::StatusOr<Polygons> RebuildPolygons(const Context& context, const draco::Mesh& mesh,
+                                         Buffer<Index> triangles) {
   LIMN_ASSIGN_OR_RETURN(const std::vector<Index> arities, ReadArities(mesh));
   LIMN_ASSIGN_OR_RETURN(const Buffer<std::uint8_t> added, ReadAddedEdges(mesh));
+  LIMN_RETURN_IF_ERROR(context.Check());
   if (!arities.empty() && !added.empty()) {
     return Malformed("has both limn.arities and added_edges");
   }
   if (!arities.empty()) return PolygonsFromFans(triangles, arities);
-  if (!added.empty()) return JoinMarked(triangles, added);
+  if (!added.empty()) return JoinMarked(context, triangles, added);
   Polygons polygons;
   polygons.face_begin.resize(triangles.size() / 3 + 1);
   for (std::size_t f = 0; f < polygons.face_begin.size(); ++f) {
@@ -149,11 +151,12 @@ absl::StatusOr<Polygons> RebuildPolygons(const draco::Mesh& mesh, Buffer<Index> 
   return polygons;
 }
 
-absl::Status FillVertices(const draco::Mesh& mesh, const Numbering& numbering, bool want_normals,
-                          DracoOutput* out) {
+absl::Status FillVertices(const Context& context, const draco::Mesh& mesh,
+                          const Numbering& numbering, bool want_normals, DracoOutput* out) {
   const draco::PointAttribute& position =
       *mesh.GetNamedAttribute(draco::GeometryAttribute::POSITION);
   LIMN_ASSIGN_OR_RETURN(const Buffer<Index> values, CornerValues(mesh, position));
+  LIMN_RETURN_IF_ERROR(context.Check());
   // Normals come with tiles only, which name their vertices.
   const bool by_id = NamedAttribute(mesh, kOriginalIdName) != nullptr;
   out->mesh.positions = by_id ? GatherVectors(numbering, position, values) : AllVectors(position);
@@ -168,8 +171,9 @@ absl::Status FillVertices(const draco::Mesh& mesh, const Numbering& numbering, b
 
 }  // namespace
 
-absl::StatusOr<DracoOutput> DecodeDraco(std::string_view bytes, const DracoBounds& bounds) {
-  LIMN_ASSIGN_OR_RETURN(const std::unique_ptr<draco::Mesh> mesh, ReadDraco(bytes, bounds));
+absl::StatusOr<DracoOutput> DecodeDraco(const Context& context, std::string_view bytes,
+                                        const DracoBounds& bounds) {
+  LIMN_ASSIGN_OR_RETURN(const std::unique_ptr<draco::Mesh> mesh, ReadDraco(context, bytes, bounds));
   const draco::PointAttribute& position =
       *mesh->GetNamedAttribute(draco::GeometryAttribute::POSITION);
   const draco::PointAttribute* ids = NamedAttribute(*mesh, kOriginalIdName);
@@ -189,9 +193,11 @@ absl::StatusOr<DracoOutput> DecodeDraco(std::string_view bytes, const DracoBound
                       .limit = "max-vertices"});
   }
   DracoOutput out;
-  LIMN_RETURN_IF_ERROR(FillVertices(*mesh, numbering, bounds.want_normals, &out));
+  LIMN_RETURN_IF_ERROR(context.Check());
+  LIMN_RETURN_IF_ERROR(FillVertices(context, *mesh, numbering, bounds.want_normals, &out));
+  LIMN_RETURN_IF_ERROR(context.Check());
   LIMN_ASSIGN_OR_RETURN(Polygons polygons,
-                        RebuildPolygons(*mesh, std::move(numbering.corner_vertex)));
+                        RebuildPolygons(context, *mesh, std::move(numbering.corner_vertex)));
   out.mesh.face_begin = std::move(polygons.face_begin);
   out.mesh.corner_vertex = std::move(polygons.corner_vertex);
   out.original_ids = std::move(numbering.original_ids);

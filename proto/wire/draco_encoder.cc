@@ -2,7 +2,9 @@
 // See draco_encoder.h.
 #include "proto/wire/draco_encoder.h"
 
-#include <draco/compression/expert_encode.h>
+#include <draco/compression/config/encoder_options.h>
+#include <draco/compression/mesh/mesh_edgebreaker_encoder.h>
+#include <draco/compression/mesh/mesh_sequential_encoder.h>
 #include <draco/mesh/mesh.h>
 
 #include <algorithm>
@@ -142,11 +144,32 @@ int AddIds(const DracoInput& input, MeshBuilder* builder) {
   return attribute;
 }
 
-absl::StatusOr<std::string> Encode(draco::ExpertEncoder* encoder, int method) {
-  encoder->SetEncodingMethod(method);
-  encoder->SetSpeedOptions(kSpeed, kSpeed);
+// Stops between connectivity and attributes. Encoder: one of Draco's.
+template <class Encoder>
+class StoppableEncoder : public Encoder {
+ public:
+  explicit StoppableEncoder(const Context& context) : context_(context) {}
+
+ protected:
+  bool EncodeAllAttributes() override {
+    return !context_.stop_requested() && Encoder::EncodeAllAttributes();
+  }
+
+ private:
+  const Context& context_;
+};
+
+// What draco::ExpertEncoder does.
+template <class Encoder>
+absl::StatusOr<std::string> Encode(const Context& context, const draco::Mesh& mesh,
+                                   draco::EncoderOptions options) {
+  LIMN_RETURN_IF_ERROR(context.Check());
+  options.SetSpeed(kSpeed, kSpeed);
+  StoppableEncoder<Encoder> encoder(context);
+  encoder.SetMesh(mesh);
   draco::EncoderBuffer buffer;
-  const draco::Status status = encoder->EncodeToBuffer(&buffer);
+  const draco::Status status = encoder.Encode(options, &buffer);
+  LIMN_RETURN_IF_ERROR(context.Check());
   if (!status.ok()) {
     return MakeError(absl::StrCat("Draco failed to encode the mesh: ", status.error_msg_string()),
                      {.reason = Reason::kInternal,
@@ -209,13 +232,16 @@ absl::Status CheckAllUsed(const PolygonView& faces) {
 
 }  // namespace
 
-absl::StatusOr<std::string> EncodeDracoLossless(const DracoInput& input) {
+absl::StatusOr<std::string> EncodeDracoLossless(const Context& context, const DracoInput& input) {
   LIMN_RETURN_IF_ERROR(CheckSizes(input));
   const std::size_t triangles = input.faces.triangle_count();
   if (input.positions.size() > 3 * triangles) {
     LIMN_RETURN_IF_ERROR(CheckAllUsed(input.faces));
   }
-  MeshBuilder builder(input.positions.size(), FanTriangles(input.faces));
+  const Buffer<Index> corners = FanTriangles(input.faces);
+  LIMN_RETURN_IF_ERROR(context.Check());
+  MeshBuilder builder(input.positions.size(), corners);
+  LIMN_RETURN_IF_ERROR(context.Check());
   builder.Add(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT64,
               absl::MakeConstSpan(reinterpret_cast<const char*>(input.positions.data()),
                                   sizeof(Vec3) * input.positions.size()));
@@ -224,8 +250,8 @@ absl::StatusOr<std::string> EncodeDracoLossless(const DracoInput& input) {
   }
   if (!input.original_ids.empty()) AddIds(input, &builder);
   if (triangles != input.faces.face_count()) builder.AddArities(input.faces);
-  draco::ExpertEncoder encoder(builder.mesh());
-  return Encode(&encoder, draco::MESH_SEQUENTIAL_ENCODING);
+  return Encode<draco::MeshSequentialEncoder>(context, builder.mesh(),
+                                              draco::EncoderOptions::CreateDefaultOptions());
 }
 
 absl::StatusOr<std::string> EncodeDracoQuantized(const Context& context, const DracoInput& input,
@@ -258,10 +284,7 @@ absl::StatusOr<std::string> EncodeDracoQuantized(const Context& context, const D
     builder.Name(added, kAddedEdgesName);
     builder.Map(added, [&](std::uint32_t point) { return points.mark[point]; });
   }
-  LIMN_RETURN_IF_ERROR(context.Check());
-  draco::ExpertEncoder encoder(builder.mesh());
-  encoder.Reset(options);
-  return Encode(&encoder, draco::MESH_EDGEBREAKER_ENCODING);
+  return Encode<draco::MeshEdgebreakerEncoder>(context, builder.mesh(), options);
 }
 
 }  // namespace limn::wire

@@ -36,10 +36,17 @@ bool AttributesAreAllowed(const draco::PointCloud& mesh) {
 
 // Sequential: one decoder holds all attributes, and predicts from the value before only.
 class FencedSequentialDecoder : public draco::MeshSequentialDecoder {
+ public:
+  explicit FencedSequentialDecoder(const Context& context) : context_(context) {}
+
  protected:
   bool DecodeAllAttributes() override {
-    return AttributesAreAllowed(*point_cloud()) && MeshSequentialDecoder::DecodeAllAttributes();
+    return !context_.stop_requested() && AttributesAreAllowed(*point_cloud()) &&
+           MeshSequentialDecoder::DecodeAllAttributes();
   }
+
+ private:
+  const Context& context_;
 };
 
 // Edgebreaker: attributes come one by one, each with a decoder and a prediction of its own choice.
@@ -48,7 +55,8 @@ class FencedSequentialDecoder : public draco::MeshSequentialDecoder {
 // avoided, and these predictions are not let in.
 class FencedEdgebreakerDecoder : public draco::MeshEdgebreakerDecoder {
  public:
-  explicit FencedEdgebreakerDecoder(bool want_normals) : want_normals_(want_normals) {}
+  FencedEdgebreakerDecoder(const Context& context, bool want_normals)
+      : context_(context), want_normals_(want_normals) {}
 
  protected:
   bool DecodeAllAttributes() override {
@@ -56,7 +64,7 @@ class FencedEdgebreakerDecoder : public draco::MeshEdgebreakerDecoder {
     int wanted = num_attributes_decoders() - 1;
     while (wanted >= 0 && !IsWanted(wanted)) --wanted;
     for (int i = 0; i <= wanted; ++i) {
-      if (!MayDecode(i)) return false;
+      if (context_.stop_requested() || !MayDecode(i)) return false;
       // The accessor is const for Draco's own reasons; the object is not.
       auto* decoder = const_cast<draco::AttributesDecoderInterface*>(attributes_decoder(i));
       if (!decoder->DecodeAttributes(buffer())) return false;
@@ -96,6 +104,7 @@ class FencedEdgebreakerDecoder : public draco::MeshEdgebreakerDecoder {
             method != draco::MESH_PREDICTION_TEX_COORDS_DEPRECATED);
   }
 
+  const Context& context_;
   const bool want_normals_;
 };
 
@@ -117,7 +126,8 @@ absl::Status CheckMesh(const draco::Mesh& mesh, const DracoHeader& header) {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<draco::Mesh>> ReadDraco(std::string_view bytes,
+absl::StatusOr<std::unique_ptr<draco::Mesh>> ReadDraco(const Context& context,
+                                                       std::string_view bytes,
                                                        const DracoBounds& bounds) {
   LIMN_ASSIGN_OR_RETURN(const DracoHeader header, ReadDracoHeader(bytes));
   LIMN_RETURN_IF_ERROR(CheckDracoHeader(header, bounds));
@@ -127,10 +137,12 @@ absl::StatusOr<std::unique_ptr<draco::Mesh>> ReadDraco(std::string_view bytes,
   const draco::DecoderOptions options;
   draco::Status status;
   if (header.edgebreaker) {
-    status = FencedEdgebreakerDecoder(bounds.want_normals).Decode(options, &buffer, mesh.get());
+    status =
+        FencedEdgebreakerDecoder(context, bounds.want_normals).Decode(options, &buffer, mesh.get());
   } else {
-    status = FencedSequentialDecoder().Decode(options, &buffer, mesh.get());
+    status = FencedSequentialDecoder(context).Decode(options, &buffer, mesh.get());
   }
+  LIMN_RETURN_IF_ERROR(context.Check());
   if (!status.ok()) {
     return MakeError(
         absl::StrCat("the Draco mesh does not decode: ", status.error_msg_string()),

@@ -13,6 +13,7 @@
 #include "absl/status/statusor.h"
 #include "absl/types/span.h"
 #include "engine/base/buffer.h"
+#include "engine/base/context.h"
 #include "engine/mesh/polygon_mesh.h"
 #include "proto/wire/draco_header.h"
 
@@ -23,7 +24,9 @@ namespace limn::wire {
 // (Draco's speeds of 6 and above, with more than positions), and those with texture coordinates
 // before a wanted attribute, are MALFORMED_ENCODING. All triangles name points that are there
 // (checked; Draco's sequential decoder does not).
-[[nodiscard]] absl::StatusOr<std::unique_ptr<draco::Mesh>> ReadDraco(std::string_view bytes,
+// CANCELLED and DEADLINE_EXCEEDED are seen between connectivity and attributes.
+[[nodiscard]] absl::StatusOr<std::unique_ptr<draco::Mesh>> ReadDraco(const Context& context,
+                                                                     std::string_view bytes,
                                                                      const DracoBounds& bounds);
 
 // For each corner the number of the attribute's value. Errors: MALFORMED_ENCODING when a point has

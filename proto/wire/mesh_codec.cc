@@ -51,7 +51,7 @@ absl::StatusOr<std::string> EncodeBytes(const Context& context, const PolygonMes
   if (!IsDraco(encoding)) return EncodePacked(context, mesh);
   const DracoInput input = {.faces = {mesh.vertex_count(), mesh.face_begin, mesh.corner_vertex},
                             .positions = mesh.positions};
-  if (encoding == v1::MESH_ENCODING_DRACO) return EncodeDracoLossless(input);
+  if (encoding == v1::MESH_ENCODING_DRACO) return EncodeDracoLossless(context, input);
   LIMN_ASSIGN_OR_RETURN(const QuantizationGrid grid, FitGrid(context, mesh.positions, {}));
   return EncodeDracoQuantized(context, input, grid, options.quantization_bits);
 }
@@ -148,8 +148,9 @@ absl::Status CheckClaims(const v1::MeshHeader& header, const PolygonMesh& mesh) 
   return absl::OkStatus();
 }
 
-absl::StatusOr<PolygonMesh> DecodeDracoMesh(const Limits& limits, const v1::MeshHeader& header,
+absl::StatusOr<PolygonMesh> DecodeDracoMesh(const Context& context, const v1::MeshHeader& header,
                                             std::string_view bytes) {
+  const Limits& limits = context.limits();
   const bool claimed = header.face_count() != 0 && header.corner_count() != 0;
   const DracoBounds bounds = {
       .max_vertices = std::min<std::uint64_t>(limits.max_vertices, kNoIndex - 1),
@@ -157,7 +158,7 @@ absl::StatusOr<PolygonMesh> DecodeDracoMesh(const Limits& limits, const v1::Mesh
           claimed ? header.corner_count() - 2 * header.face_count() : limits.max_corners,
       .triangles_claimed = claimed,
       .max_bytes = limits.max_bytes};
-  LIMN_ASSIGN_OR_RETURN(DracoOutput out, DecodeDraco(bytes, bounds));
+  LIMN_ASSIGN_OR_RETURN(DracoOutput out, DecodeDraco(context, bytes, bounds));
   if (!out.original_ids.empty()) {
     return MakeError("the original ids of the Draco mesh are not 0, 1, 2 and so on",
                      {.reason = Reason::kMalformedEncoding, .field = "mesh"});
@@ -226,7 +227,7 @@ absl::StatusOr<PolygonMesh> DecodeMesh(const Context& context, const v1::MeshHea
         LIMN_RETURN_IF_ERROR(context.Check());
         PolygonMesh mesh;
         if (IsDraco(header.encoding())) {
-          LIMN_ASSIGN_OR_RETURN(mesh, DecodeDracoMesh(context.limits(), header, bytes));
+          LIMN_ASSIGN_OR_RETURN(mesh, DecodeDracoMesh(context, header, bytes));
         } else {
           LIMN_ASSIGN_OR_RETURN(mesh, DecodePacked(context, Counts(header), bytes));
         }

@@ -52,7 +52,7 @@ struct EncodedMesh {
 // repeating an edge of the mesh (INVALID_OPTION).
 //
 // Other errors: INVALID_OPTION, LIMIT_EXCEEDED beyond what Draco can say, INTERNAL when Draco
-// fails, CANCELLED, DEADLINE_EXCEEDED (looked at before and after Draco, not during it),
+// fails, CANCELLED, DEADLINE_EXCEEDED (see draco_encoder.h and draco_decoder.h),
 // OUT_OF_MEMORY. Thread-safe. Cost: linear.
 [[nodiscard]] absl::StatusOr<EncodedMesh> EncodeMesh(const Context& context,
                                                      const PolygonMesh& mesh,
@@ -74,7 +74,7 @@ struct EncodedMesh {
 //
 // Errors: those of CheckHeader; MALFORMED_ENCODING (field "faces" and the face for a bad index or
 // arity); LIMIT_EXCEEDED when a Draco mesh turns out larger than the limits; OUT_OF_MEMORY,
-// CANCELLED, DEADLINE_EXCEEDED (looked at before and after Draco, not during it). Thread-safe.
+// CANCELLED, DEADLINE_EXCEEDED (see draco_encoder.h and draco_decoder.h). Thread-safe.
 // Cost: linear in the mesh, which the number of bytes must justify; see draco_header.h.
 [[nodiscard]] absl::StatusOr<PolygonMesh> DecodeMesh(const Context& context,
                                                      const v1::MeshHeader& header,

@@ -127,7 +127,7 @@ absl::Status ReadDracoTile(const v1::SurfaceTile& tile, DecodedTile* out) {
                               .max_triangles = kMaxTileTriangles,
                               .max_bytes = std::numeric_limits<std::uint64_t>::max(),
                               .want_normals = true};
-  LIMN_ASSIGN_OR_RETURN(const DracoOutput draco, DecodeDraco(tile.draco(), bounds));
+  LIMN_ASSIGN_OR_RETURN(const DracoOutput draco, DecodeDraco(Context(), tile.draco(), bounds));
   LIMN_RETURN_IF_ERROR(CheckPolygons(Context(), draco.mesh, kReceived));
   // Ids 0, 1, 2 ... are not written out.
   out->is_run = false;

@@ -136,7 +136,7 @@ absl::Status FillDraco(const Context& context, const Tessellation& surface, cons
                             .original_ids = local.ids};
   absl::StatusOr<std::string> bytes;
   if (options.encoding == v1::MESH_ENCODING_DRACO) {
-    bytes = EncodeDracoLossless(input);
+    bytes = EncodeDracoLossless(context, input);
   } else {
     std::optional<QuantizationGrid> grid = options.grid;
     if (!grid.has_value()) {

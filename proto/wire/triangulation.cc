@@ -14,17 +14,26 @@ absl::Status Malformed(const std::string& message) {
   return MakeError(message, {.reason = Reason::kMalformedEncoding, .field = "faces"});
 }
 
+// Between two looks at whether to stop.
+constexpr std::size_t kStride = std::size_t{1} << 16;
+
+absl::Status CheckAt(const Context& context, std::size_t step) {
+  return step % kStride == 0 ? context.Check() : absl::OkStatus();
+}
+
 // Half-edge h of the triangles runs from corner h to the next corner of its triangle.
 std::size_t NextCorner(std::size_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
 
 // The half-edges of added edges, paired; kNoIndex for all others.
-absl::StatusOr<Buffer<Index>> PairAddedEdges(absl::Span<const Index> triangles,
+absl::StatusOr<Buffer<Index>> PairAddedEdges(const Context& context,
+                                             absl::Span<const Index> triangles,
                                              absl::Span<const std::uint8_t> added) {
   std::size_t marks = 0;
   for (const std::uint8_t mark : added) marks += mark != 0;
   EdgeTable table(marks);
   Buffer<Index> pair(triangles.size(), kNoIndex);
   for (std::size_t c = 0; c < added.size(); ++c) {
+    LIMN_RETURN_IF_ERROR(CheckAt(context, c));
     if (added[c] == 0) continue;
     const std::size_t h = NextCorner(c);
     const Index number = static_cast<Index>(h);
@@ -35,6 +44,7 @@ absl::StatusOr<Buffer<Index>> PairAddedEdges(absl::Span<const Index> triangles,
   }
   std::size_t paired = 0;
   for (std::size_t h = 0; h < triangles.size(); ++h) {
+    LIMN_RETURN_IF_ERROR(CheckAt(context, h));
     const Index* other = table.Find(triangles[h], triangles[NextCorner(h)]);
     if (other == nullptr) continue;
     const auto taken = [&](std::size_t a, std::size_t b) {
@@ -102,9 +112,9 @@ absl::StatusOr<Polygons> PolygonsFromFans(absl::Span<const Index> triangles,
 // A polygon of t triangles that hang together over t - 1 edges has t + 2 sides, and walking round
 // it crosses each of its added edges twice. When this holds for every walk, and all crossings
 // together are all added edges twice, then no triangle is left out and no polygon has a hole.
-absl::StatusOr<Polygons> JoinMarked(absl::Span<const Index> triangles,
+absl::StatusOr<Polygons> JoinMarked(const Context& context, absl::Span<const Index> triangles,
                                     absl::Span<const std::uint8_t> added) {
-  LIMN_ASSIGN_OR_RETURN(const Buffer<Index> pair, PairAddedEdges(triangles, added));
+  LIMN_ASSIGN_OR_RETURN(const Buffer<Index> pair, PairAddedEdges(context, triangles, added));
   Polygons polygons;
   polygons.face_begin.reserve(triangles.size() / 3 + 1);
   polygons.corner_vertex.reserve(triangles.size());
@@ -113,6 +123,7 @@ absl::StatusOr<Polygons> JoinMarked(absl::Span<const Index> triangles,
   std::size_t open_crossings = 0;
   for (const Index other : pair) open_crossings += other != kNoIndex;
   for (std::size_t start = 0; start < triangles.size(); ++start) {
+    LIMN_RETURN_IF_ERROR(CheckAt(context, start));
     if (visited[start] != 0 || pair[start] != kNoIndex) continue;
     std::size_t crossings = 0;
     std::size_t h = start;

@@ -63,8 +63,9 @@ struct MarkedTriangles {
 
 // Joins triangles over their marked edges. Every triangle is part of exactly one polygon without
 // holes (checked). Faces come in the order of their first triangle. Errors: MALFORMED_ENCODING.
-// Cost: linear. Throws std::bad_alloc.
-[[nodiscard]] absl::StatusOr<Polygons> JoinMarked(absl::Span<const Index> triangles,
+// CANCELLED, DEADLINE_EXCEEDED. Cost: linear. Throws std::bad_alloc.
+[[nodiscard]] absl::StatusOr<Polygons> JoinMarked(const Context& context,
+                                                  absl::Span<const Index> triangles,
                                                   absl::Span<const std::uint8_t> added);
 
 }  // namespace limn::wire

@@ -28,6 +28,10 @@ TEST(RetryTest, ACallThatBrokeOffWithoutAWordOfTheServerWentAway) {
   EXPECT_TRUE(ServerWentAway(absl::CancelledError("RST_STREAM with error code 8")));
 }
 
+TEST(RetryTest, AnAnswerThatBrokeOffIsAskedForAgain) {
+  EXPECT_TRUE(ServerWentAway(AnswerBrokeOff()));
+}
+
 TEST(RetryTest, WhatTheServerSaidIsNotAskedAgain) {
   for (const Reason reason : {Reason::kInternal, Reason::kCancelled, Reason::kInvalidOption,
                               Reason::kLimitExceeded, Reason::kDeadlineExceeded}) {

@@ -347,6 +347,32 @@ TEST(AdmissionTest, EstimateCountsConstraints) {
   EXPECT_GE(EstimateJobBytes(spec), normals + 2 * 1000 * sizeof(ShapeHandle));
 }
 
+TEST(AdmissionTest, EstimateCountsTheListsOfWhatIsSharp) {
+  JobSpec spec;
+  spec.mesh.set_vertex_count(100'000);
+  spec.mesh.set_face_count(100'000);
+  spec.mesh.set_corner_count(400'000);
+  const std::uint64_t without = EstimateJobBytes(spec);
+  CreaseConstraint crease;
+  crease.vertices.resize(100'000);
+  crease.sharpness.resize(1);
+  spec.engine.constraints.creases = {crease};
+  // The call's, the job's, and those in one list, with a sharpness for each edge.
+  EXPECT_GE(EstimateJobBytes(spec), without + 100'000 * (3 * sizeof(Index) + sizeof(float)));
+}
+
+TEST(AdmissionTest, EstimateCountsWhatRepairMayMakeOfConstraints) {
+  JobSpec spec;
+  spec.mesh.set_vertex_count(1000);
+  spec.mesh.set_face_count(1000);
+  spec.mesh.set_corner_count(400'000);
+  spec.repair = true;
+  const std::uint64_t without = EstimateJobBytes(spec);
+  // One vertex may become as many as there are corners.
+  spec.engine.constraints.normals.resize(1);
+  EXPECT_GE(EstimateJobBytes(spec), without + 2 * 400'000 * sizeof(NormalConstraint));
+}
+
 TEST(AdmissionTest, EstimateCoversTheWorstThatRepairMayMakeOfAMesh) {
   JobSpec spec;
   spec.mesh.set_vertex_count(1000);

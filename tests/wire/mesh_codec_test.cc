@@ -109,7 +109,7 @@ TEST(MeshCodecTest, PackedLayoutIsPositionsAritiesCorners) {
 TEST(MeshCodecTest, AritiesAreMetadataUnlessAllFacesAreTriangles) {
   const DracoBounds bounds = {.max_vertices = 100, .max_triangles = 100, .max_bytes = 1 << 20};
   const auto read = [&](const PolygonMesh& mesh) {
-    return *ReadDraco(Encode(mesh, v1::MESH_ENCODING_DRACO).bytes, bounds);
+    return *ReadDraco(Context(), Encode(mesh, v1::MESH_ENCODING_DRACO).bytes, bounds);
   };
   EXPECT_EQ(read(Tetrahedron())->GetMetadata(), nullptr);
   const auto prism = read(Prism(3));
