@@ -166,7 +166,7 @@ class LoadRun {
 
 ExitStatus RunLoadCommand(const LoadFlags& flags) {
   absl::StatusOr<Plan> plan = MakePlan(flags);
-  if (!plan.ok()) return FailWithOption(plan.status());
+  if (!plan.ok()) return FailWithFile(plan.status());
   return LoadRun(flags, *std::move(plan)).Run();
 }
 

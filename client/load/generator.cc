@@ -175,6 +175,7 @@ class Generator {
   std::mt19937_64 random_;
   ClientOptions client_;
   std::vector<std::unique_ptr<v1::LimnService::Stub>> stubs_;
+  // Before the channels of the stubs.
   Timers timers_;
   Clock::time_point start_;
 

@@ -80,8 +80,12 @@ class LoadCall final
     sample_.outcome = detail.has_value() ? std::string(ReasonName(detail->reason))
                                          : absl::StatusCodeToString(error.code());
     sample_.good = Good(error);
-    const std::shared_ptr<LoadCall> self = std::move(self_);
-    done_(std::move(sample_));
+    // The context holds the channel, which must not end on a thread of gRPC, as that would wait for
+    // itself: the timers' thread lets go of this call, and its owner of the channel after that.
+    const std::function<void(Sample)> done = std::move(done_);
+    Sample sample = std::move(sample_);
+    environment_.timers->At(Timers::Clock::now(), [self = std::move(self_)] {});
+    done(std::move(sample));
   }
 
  private:
@@ -113,7 +117,7 @@ class LoadCall final
 
   const CallEnvironment environment_;
   const std::shared_ptr<const PreparedJob> job_;
-  const std::function<void(Sample)> done_;
+  std::function<void(Sample)> done_;
   grpc::ClientContext context_;
   v1::InterpolateResponse response_;
   std::size_t next_ = 0;

@@ -38,7 +38,7 @@ struct Sample {
   std::vector<std::pair<std::string, double>> stages = {};
 };
 
-// What a call needs; all of it must outlive the call.
+// What a call needs; all of it must outlive the call, which the timers hold last of all.
 struct CallEnvironment {
   v1::LimnService::Stub* stub = nullptr;
   const ClientOptions* options = nullptr;
