@@ -53,7 +53,8 @@ TEST_P(MessageE2e, IsThisOne) {
 }
 
 std::vector<Mistake> Mistakes() {
-  const std::string commands = "interpolate, filter, features, evaluate, generate, health, info";
+  const std::string commands =
+      "interpolate, batch, filter, features, evaluate, generate, health, info";
   const std::string in = "@/in.obj";
   const std::string see = "; see 'limn interpolate --help'";
   const std::string otherwise =
