@@ -2,6 +2,8 @@
 #include "server/kept_jobs.h"
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 #include "engine/base/error.h"
 
@@ -40,14 +42,14 @@ std::vector<std::shared_ptr<BatchJob>> KeptJobs::Expire(Clock::time_point now) {
   std::vector<std::shared_ptr<BatchJob>> expired;
   {
     const std::lock_guard lock(mutex_);
-    std::erase_if(entries_, [&](auto& key_and_entry) {
-      Entry& entry = key_and_entry.second;
-      if (entry.job == nullptr) return false;
+    for (auto at = entries_.begin(); at != entries_.end();) {
+      Entry& entry = at->second;
       const bool all = now == Clock::time_point::max();
-      if (!all && entry.before + (now - entry.since) < time_) return false;
-      expired.push_back(std::move(entry.job));
-      return true;
-    });
+      const bool over =
+          entry.job != nullptr && (all || entry.before + (now - entry.since) >= time_);
+      if (over) expired.push_back(std::move(entry.job));
+      at = over ? entries_.erase(at) : std::next(at);
+    }
   }
   for (const auto& job : expired) {
     (void)job->Stop(MakeError("the client did not come back for the job",

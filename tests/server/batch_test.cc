@@ -580,8 +580,8 @@ TEST(BatchTest, EachJobHasItsLineInTheLog) {
   Answers answers;
   answers.TakeUntil(&batch, "job-7");
   // Before it is acknowledged.
-  const std::string line = log.WaitFor("\"job_id\":\"job-7\"");
-  EXPECT_NE(line.find("/job-7\""), std::string::npos) << line;
+  const std::string line = log.WaitFor(" job_id=job-7 ");
+  EXPECT_NE(line.find("/job-7 "), std::string::npos) << line;
   EXPECT_NE(line.find("BatchJob"), std::string::npos) << line;
 }
 
