@@ -38,10 +38,12 @@ std::string OutcomeJson(const Outcome& outcome) {
     return absl::StrCat(text, ", \"missing\": ", Quoted(outcome.missing), "}");
   }
   return absl::StrFormat(
-      "%s, \"seconds\": %s, \"over_limn_1\": %s, \"over_limn_2\": %s, \"rounds\": %d, "
+      "%s, \"seconds\": %s, \"processor_seconds\": %s, \"over_limn_1\": %s, \"over_limn_2\": %s, "
+      "\"rounds\": %d, "
       "\"point_difference\": %s, \"normal_difference\": %s, \"agrees\": %s, \"peak_bytes\": %s}",
-      text, Number(outcome.seconds), Number(outcome.over_limn[0]), Number(outcome.over_limn[1]),
-      outcome.rounds, Number(outcome.point_difference), Number(outcome.normal_difference),
+      text, Number(outcome.seconds), Number(outcome.processor_seconds),
+      Number(outcome.over_limn[0]), Number(outcome.over_limn[1]), outcome.rounds,
+      Number(outcome.point_difference), Number(outcome.normal_difference),
       outcome.agrees ? "true" : "false", Number(outcome.peak_bytes));
 }
 

@@ -82,7 +82,7 @@ void JudgeSteps(const Report& report, std::vector<Verdict>* verdicts) {
     for (const Cell& cell : report.cells) {
       if (cell.task != Task::kCatmullClarkStep || cell.meshes != Meshes::kPolygons) continue;
       if (cell.vertices != vertices || !cell.outcomes[0].missing.empty()) continue;
-      const double found = 1e3 * cell.outcomes[0].seconds;
+      const double found = 1e3 * cell.outcomes[0].processor_seconds;
       range.Add(found, found <= milliseconds);
     }
     verdicts->push_back(range.Say(

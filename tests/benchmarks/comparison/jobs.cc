@@ -52,10 +52,10 @@ JobOutcome MeasureJob(const Job& job, std::uint64_t vertices) {
     double result_bytes = 0;
     const double peak = PeakBytes([&] {
       ThreadArena(1).Execute([&] {
-        const double begin = Now();
+        const double begin = Now().clock;
         const auto result = Interpolate(
             Context(), mesh, {.scheme = job.scheme, .solve = {.tolerance = 1e-6}, .level = kLevel});
-        seconds = Now() - begin;
+        seconds = Now().clock - begin;
         if (!result.ok()) throw std::runtime_error(std::string(result.status().message()));
         result_bytes = ResultBytes(*result);
       });

@@ -196,9 +196,9 @@ class TriangleKernels {
 };
 
 double Time(const std::function<void()>& work) {
-  const double begin = Now();
+  const double begin = Now().clock;
   work();
-  return Now() - begin;
+  return Now().clock - begin;
 }
 
 // Writes lines "THREADS COPY TRIAD" of bandwidths and "THREADS SECONDS OVER_BOUND" of kernels.

@@ -118,7 +118,9 @@ void AddGoals(const Report& report, std::string* text) {
 std::string Markdown(const Report& report) {
   std::string text =
       "Medians of rounds in which all take turns; \"/ Limn\" is the median of the ratios within "
-      "rounds, to Limn with one thread and with two. Peak MB: resident memory beyond what was "
+      "rounds, to Limn with one thread and with two. ms, and ratios with two threads: by the "
+      "clock; "
+      "ratios of one thread to one: processor time. Peak MB: resident memory beyond what was "
       "there before. Difference: to Limn's answer (solvers: to the solution) over the bounding "
       "box.\n";
   for (const TaskInfo& task : AllTasks()) AddTask(report, task, &text);

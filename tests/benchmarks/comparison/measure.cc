@@ -20,15 +20,17 @@ class Player {
   Player(const Entry& entry, const PolygonMesh& mesh) : contestant_(entry.make(mesh)) {}
 
   // Seconds for one run, the mean of so many.
-  double Time(int runs) {
-    double seconds = 0;
+  Instant Time(int runs) {
+    Instant seconds;
     for (int i = 0; i < runs; ++i) {
       contestant_->Prepare();
-      const double begin = Now();
+      const Instant begin = Now();
       contestant_->Run();
-      seconds += Now() - begin;
+      const Instant end = Now();
+      seconds.clock += (end.clock - begin.clock) / runs;
+      seconds.processor += (end.processor - begin.processor) / runs;
     }
-    return seconds / runs;
+    return seconds;
   }
   Answer GetAnswer() { return contestant_->GetAnswer(); }
 
@@ -41,7 +43,8 @@ class Player {
 
 bool IsSolve(Task task) { return task == Task::kSolve6 || task == Task::kSolve12; }
 
-// Writes lines "answer ENTRY POINTS NORMALS", "failed ENTRY WHY" and "time ENTRY ROUND SECONDS".
+// Writes lines "answer ENTRY POINTS NORMALS", "failed ENTRY WHY" and "time ENTRY CLOCK PROCESSOR",
+// the latter round by round.
 void TakeTurns(Task task, const std::vector<Entry>& entries, const std::vector<bool>& taking_part,
                const PolygonMesh& mesh, double budget, std::FILE* out) {
   std::vector<std::unique_ptr<Player>> players(entries.size());
@@ -52,7 +55,7 @@ void TakeTurns(Task task, const std::vector<Entry>& entries, const std::vector<b
     try {
       auto player = std::make_unique<Player>(entries[i], mesh);
       // The first run warms up and shows how long it takes.
-      const double first = player->Time(1);
+      const double first = player->Time(1).clock;
       const Fingerprint found(player->GetAnswer());
       if (i == 0 && !IsSolve(task)) reference = found;
       const Difference difference = found.From(reference);
@@ -77,20 +80,20 @@ void TakeTurns(Task task, const std::vector<Entry>& entries, const std::vector<b
       Player* const player = players[i].get();
       // Limn is in every round, to be compared with.
       if (player == nullptr || (round >= player->rounds && !entries[i].rival.empty())) continue;
-      std::fprintf(out, "time %zu %d %.17g\n", i, round, player->Time(player->repeats));
+      const Instant time = player->Time(player->repeats);
+      std::fprintf(out, "time %zu %.17g %.17g\n", i, time.clock, time.processor);
     }
   }
 }
 
-// Seconds by entry and round.
-struct Times {
-  explicit Times(std::size_t entries) : seconds(entries) {}
-  double At(std::size_t entry, int round) const {
-    const auto r = static_cast<std::size_t>(round);
-    return r < seconds[entry].size() ? seconds[entry][r] : 0;
-  }
-  std::vector<std::vector<double>> seconds;
-};
+// By entry and round.
+using Times = std::vector<std::vector<Instant>>;
+
+double MedianOf(const std::vector<Instant>& times, double Instant::*clock) {
+  std::vector<double> values;
+  for (const Instant& time : times) values.push_back(time.*clock);
+  return Median(values);
+}
 
 void Parse(const std::string& text, const std::vector<Entry>& entries, Cell* cell, Times* times) {
   std::istringstream lines(text);
@@ -112,10 +115,9 @@ void Parse(const std::string& text, const std::vector<Entry>& entries, Cell* cel
       words >> outcome.point_difference >> outcome.normal_difference;
       outcome.agrees = outcome.point_difference <= entries[i].agreement;
     } else if (kind == "time") {
-      int round = 0;
-      double seconds = 0;
-      words >> round >> seconds;
-      times->seconds[i].push_back(seconds);
+      Instant time;
+      words >> time.clock >> time.processor;
+      (*times)[i].push_back(time);
     }
   }
 }
@@ -124,13 +126,15 @@ void FillMedians(const Times& times, Cell* cell) {
   for (std::size_t i = 0; i < cell->outcomes.size(); ++i) {
     Outcome& outcome = cell->outcomes[i];
     if (!outcome.missing.empty()) continue;
-    outcome.seconds = Median(times.seconds[i]);
-    outcome.rounds = static_cast<int>(times.seconds[i].size());
+    outcome.seconds = MedianOf(times[i], &Instant::clock);
+    outcome.processor_seconds = MedianOf(times[i], &Instant::processor);
+    outcome.rounds = static_cast<int>(times[i].size());
     for (std::size_t limn = 0; limn < 2; ++limn) {
+      const bool one_thread = limn == 0 && outcome.threads == 1;
+      double Instant::*const clock = one_thread ? &Instant::processor : &Instant::clock;
       std::vector<double> ratios;
-      for (int round = 0; round < outcome.rounds; ++round) {
-        const double ours = times.At(limn, round);
-        if (ours > 0) ratios.push_back(times.At(i, round) / ours);
+      for (std::size_t r = 0; r < std::min(times[i].size(), times[limn].size()); ++r) {
+        ratios.push_back(times[i][r].*clock / times[limn][r].*clock);
       }
       outcome.over_limn[limn] = Median(ratios);
     }

@@ -28,9 +28,11 @@ struct Outcome {
   int threads = 1;
   // Why there are no figures; empty if there are.
   std::string missing;
-  // Medians over the rounds: of times, and of their ratios to Limn's with one and with two threads
-  // in the same round.
+  // Medians over the rounds: of times by the clock, of processor times, and of ratios to Limn's with
+  // one and with two threads in the same round. Ratios of one thread to one thread are of processor
+  // times, which whatever else runs on the machine lengthens less; all others by the clock.
   double seconds = 0;
+  double processor_seconds = 0;
   double over_limn[2] = {0, 0};
   int rounds = 0;
   // Largest part of the bounding box, and largest difference of normals, by which the answer is
@@ -62,7 +64,11 @@ double PeakBytes(const std::function<void()>& work);
 
 double Median(std::vector<double> values);
 
-// Seconds by the steady clock.
-double Now();
+// Seconds by the steady clock, and seconds of processor time of this process.
+struct Instant {
+  double clock = 0;
+  double processor = 0;
+};
+Instant Now();
 
 }  // namespace limn::comparison
