@@ -28,9 +28,10 @@ struct Outcome {
   int threads = 1;
   // Why there are no figures; empty if there are.
   std::string missing;
-  // Medians over the rounds: of times by the clock, of processor times, and of ratios to Limn's with
-  // one and with two threads in the same round. Ratios of one thread to one thread are of processor
-  // times, which whatever else runs on the machine lengthens less; all others by the clock.
+  // Medians over the rounds: of times by the clock, of processor times, and of ratios to Limn's
+  // with one and with two threads in the same round. Ratios of one thread to one thread are of
+  // processor times, which whatever else runs on the machine lengthens less; all others by the
+  // clock.
   double seconds = 0;
   double processor_seconds = 0;
   double over_limn[2] = {0, 0};
