@@ -134,6 +134,7 @@ class Client {
   // grpc.health.v1: "" and "limn.v1.LimnService" are readiness, "liveness" is what its name says.
   [[nodiscard]] absl::StatusOr<bool> Serves(const std::string& service) const;
 
+  const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
   const ClientOptions& options() const { return options_; }
   // The same connection, with other options.
   Client With(const ClientOptions& options) const { return Client(channel_, options); }

@@ -168,4 +168,12 @@ std::uint64_t MemoryLimit() {
   return static_cast<std::uint64_t>(bytes);
 }
 
+std::uint64_t ResidentBytes() {
+  std::ifstream file("/proc/self/statm");
+  std::uint64_t total = 0;
+  std::uint64_t resident = 0;
+  file >> total >> resident;
+  return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
 }  // namespace limn

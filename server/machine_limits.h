@@ -25,4 +25,7 @@ namespace limn {
 [[nodiscard]] std::optional<double> CgroupMemoryLimit(const std::string& membership,
                                                       const std::string& mount);
 
+// Bytes of memory that the process occupies now. Thread-safe.
+[[nodiscard]] std::uint64_t ResidentBytes();
+
 }  // namespace limn

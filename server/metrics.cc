@@ -12,12 +12,12 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <fstream>
 #include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
+#include "server/machine_limits.h"
 
 namespace limn {
 namespace {
@@ -32,14 +32,6 @@ const pm::Histogram::BucketBoundaries& Buckets() {
 }
 
 pm::Labels Label(const char* name, std::string_view value) { return {{name, std::string(value)}}; }
-
-double ResidentBytes() {
-  std::ifstream file("/proc/self/statm");
-  double total = 0;
-  double resident = 0;
-  file >> total >> resident;
-  return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
-}
 
 double OpenDescriptors() {
   DIR* const directory = opendir("/proc/self/fd");
@@ -138,7 +130,7 @@ struct Metrics::Impl final : pm::Collectable {
 };
 
 void Metrics::Impl::Sample() const {
-  resident.Set(ResidentBytes());
+  resident.Set(static_cast<double>(ResidentBytes()));
   descriptors.Set(OpenDescriptors());
   cpu.Set(CpuSeconds());
   if (!sampler) return;

@@ -134,6 +134,7 @@ struct Server::Impl {
   void Watch();
   void RefreshFiles();
   void WatchLanes();
+  void Drop(std::vector<std::shared_ptr<BatchJob>> jobs);
   void TrimWhenIdle(Clock::time_point now);
   ServerSample Sample();
   absl::Status WarmUp();
@@ -153,7 +154,8 @@ struct Server::Impl {
   // Whether the process is a server and nothing else.
   const bool tidy_heap;
   Clock::time_point last_busy = Clock::now();
-  bool trimmed = false;
+  // What was left of the process the last time.
+  std::uint64_t trimmed_to = 0;
   // Interactive and batch, for the watching thread.
   std::array<bool, 2> lanes_live{true, true};
   std::atomic<bool> live{true};
@@ -167,6 +169,11 @@ struct Server::Impl {
   bool idle = false;
 };
 
+// Giving back large results takes long, so another thread does it.
+void Server::Impl::Drop(std::vector<std::shared_ptr<BatchJob>> jobs) {
+  if (!jobs.empty()) core.lanes.batch.delivery().Post([jobs = std::move(jobs)] {});
+}
+
 // Four times a second.
 void Server::Impl::Watch() {
   std::unique_lock lock(mutex);
@@ -174,7 +181,9 @@ void Server::Impl::Watch() {
     lock.unlock();
     const Clock::time_point now = Clock::now();
     core.streams.ForEach([now](OpenStream& stream) { stream.CheckStall(now); });
-    service.kept_jobs().Expire(now);
+    // Nobody can come back to a server that stops.
+    const bool draining = core.draining.load();
+    Drop(draining ? service.kept_jobs().Clear() : service.kept_jobs().Expire(now));
     RefreshFiles();
     WatchLanes();
     TrimWhenIdle(now);
@@ -203,17 +212,18 @@ void Server::Impl::WatchLanes() {
 }
 
 // The heap keeps what large jobs have given back, for the next one. When none comes, others may
-// have the memory.
+// have the memory. Calls that are no jobs take memory too, of which only the process's size tells:
+// a client can begin and drop thousands a second.
 void Server::Impl::TrimWhenIdle(Clock::time_point now) {
   if (!tidy_heap) return;
-  if (core.streams.size() > 0 || service.kept_jobs().waiting() > 0) {
-    last_busy = now;
-    trimmed = false;
-  }
-  if (trimmed || now - last_busy < kIdleBeforeTrim) return;
-  // Once: what has gone back still counts as free in the heap's books.
-  trimmed = true;
-  if (TrimHeap(kKeptHeap)) core.log->Info(LogLine("memory_returned"));
+  if (core.streams.size() > 0 || service.kept_jobs().waiting() > 0) last_busy = now;
+  if (now - last_busy < kIdleBeforeTrim) return;
+  last_busy = now;
+  // What has gone back still counts as free in the heap's books, so that these do not tell whether
+  // it is worth while again.
+  if (ResidentBytes() < trimmed_to + kKeptHeap || !TrimHeap(kKeptHeap)) return;
+  trimmed_to = ResidentBytes();
+  core.log->Info(LogLine("memory_returned"));
 }
 
 ServerSample Server::Impl::Sample() {
@@ -310,7 +320,7 @@ void Server::Impl::Shutdown(std::chrono::milliseconds patience) {
   }
   stopping.notify_all();
   watch.join();
-  service.kept_jobs().Clear();
+  Drop(service.kept_jobs().Clear());
   core.metrics.StopListening();
   idle = core.StopUntil(Clock::now() + kLastWork);
 }

@@ -10,6 +10,7 @@
 namespace limn::cli {
 
 void AddInterpolateCommand(CLI::App& app, ExitStatus* status);
+void AddBatchCommand(CLI::App& app, ExitStatus* status);
 void AddFilterCommand(CLI::App& app, ExitStatus* status);
 void AddFeaturesCommand(CLI::App& app, ExitStatus* status);
 void AddEvaluateCommand(CLI::App& app, ExitStatus* status);

@@ -17,6 +17,8 @@ enum class ExitStatus : int {
   kUsage = 2,
   // The server: not reachable, out of resources or time, not able to, or defective.
   kServer = 3,
+  // Some jobs of a batch failed, and the others are done.
+  kPartial = 4,
   // `limn load`: what --slo asks for was not kept.
   kObjective = 5,
   // Ctrl-C, as shells count it: 128 + SIGINT.

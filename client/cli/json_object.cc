@@ -51,7 +51,13 @@ JsonObject& JsonObject::Add(std::string_view name, std::string_view value) {
   return AddRaw(name, Quoted(value));
 }
 
-JsonObject& JsonObject::Add(std::string_view name, double value) {
+JsonObject& JsonObject::Add(std::string_view name, const std::vector<std::string>& values) {
+  std::string text = "[";
+  for (const std::string& value : values) text += (text.size() == 1 ? "" : ", ") + Quoted(value);
+  return AddRaw(name, text + "]");
+}
+
+JsonObject& JsonObject::AddNumber(std::string_view name, double value) {
   return AddRaw(name, NumberText(value));
 }
 
@@ -71,6 +77,15 @@ JsonObject& JsonObject::Add(std::string_view name, const std::vector<JsonObject>
     text += Deeper(value.Text());
   }
   return AddRaw(name, Deeper(text + (values.empty() ? "]" : "\n]")));
+}
+
+std::string JsonObject::Line() const {
+  std::string text = "{";
+  for (const Member& member : members_) {
+    text += text.size() == 1 ? "" : ", ";
+    text += member.name + ": " + member.value;
+  }
+  return text + "}";
 }
 
 std::string JsonObject::Text() const {

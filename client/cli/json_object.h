@@ -21,14 +21,17 @@ class JsonObject {
     return AddRaw(name, value ? "true" : "false");
   }
   JsonObject& Add(std::string_view name, std::string_view value);
-  JsonObject& Add(std::string_view name, double value);
+  JsonObject& Add(std::string_view name, const std::vector<std::string>& values);
   // Numbers that JSON does not know, such as NaN, become null.
+  JsonObject& AddNumber(std::string_view name, double value);
   JsonObject& Add(std::string_view name, const std::array<double, 3>& value);
   JsonObject& Add(std::string_view name, const JsonObject& value);
   JsonObject& Add(std::string_view name, const std::vector<JsonObject>& values);
 
   // Indented, without a line feed at the end.
   std::string Text() const;
+  // In one line, if no member is an object or a list of them.
+  std::string Line() const;
 
  private:
   struct Member {

@@ -21,10 +21,11 @@ namespace {
 constexpr const char* kFooter =
     "Exit status: 0 well, perhaps with a warning; 1 the input was refused, or a file cannot be "
     "read\n"
-    "or written; 2 the command line makes no sense; 3 the server; 5 what `limn load --slo` asks "
-    "for\n"
-    "was not kept; 130 interrupted. After a failure no output file is left that was not there\n"
-    "before.";
+    "or written; 2 the command line makes no sense; 3 the server; 4 jobs of a batch failed, and "
+    "the\n"
+    "others are done; 5 what `limn load --slo` asks for was not kept; 130 interrupted. After a "
+    "failure\n"
+    "no output file of the job is left that was not there before.";
 
 // The help that was asked for goes to stdout; a mistake is named on stderr.
 ExitStatus AnswerParseError(const CLI::App& app, const CLI::ParseError& error) {
@@ -47,6 +48,7 @@ ExitStatus Main(int argc, char** argv) {
   app.footer(kFooter);
   ExitStatus status = ExitStatus::kOk;
   AddInterpolateCommand(app, &status);
+  AddBatchCommand(app, &status);
   AddFilterCommand(app, &status);
   AddFeaturesCommand(app, &status);
   AddEvaluateCommand(app, &status);

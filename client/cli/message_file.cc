@@ -164,7 +164,9 @@ absl::Status ParseMessage(const std::string& json, const MessageFile& file,
       absl::StrCat(file.path, ": ", what),
       {.reason = Reason::kMalformedFile,
        .field = file.field,
-       .remedy = absl::StrCat("It has to be the JSON of ", message->GetDescriptor()->full_name())});
+       .remedy = file.remedy.empty() ? absl::StrCat("It has to be the JSON of ",
+                                                    message->GetDescriptor()->full_name())
+                                     : file.remedy});
 }
 
 }  // namespace limn::cli

@@ -29,6 +29,8 @@ struct MessageFile {
   std::string field;
   // What the paths of its fields begin with in errors: where the message is within another.
   std::string prefix = "";
+  // What errors say that the file has to be. Empty: the JSON of the message.
+  std::string remedy = "";
 };
 
 // Fills the message from its JSON mapping. Errors: MALFORMED_FILE, whose message begins with the

@@ -16,14 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The same for any two ways to write the name of one file, whether it exists or not.
-fs::path Identity(const std::string& path) {
-  std::error_code error;
-  const fs::path absolute = fs::absolute(path, error);
-  const fs::path canonical = fs::weakly_canonical(absolute, error);
-  return error ? fs::path(path) : canonical;
-}
-
 absl::Status CheckDistinct(const OutputPaths& paths, const std::vector<std::string>& inputs) {
   std::vector<std::string> all = paths.surfaces;
   if (!paths.control_mesh.empty()) all.push_back(paths.control_mesh);
@@ -31,11 +23,11 @@ absl::Status CheckDistinct(const OutputPaths& paths, const std::vector<std::stri
   if (!paths.samples.empty()) all.push_back(paths.samples);
   std::vector<fs::path> seen;
   for (const std::string& input : inputs) {
-    if (!input.empty()) seen.push_back(Identity(input));
+    if (!input.empty()) seen.push_back(FileIdentity(input));
   }
   const std::size_t input_count = seen.size();
   for (const std::string& path : all) {
-    fs::path identity = Identity(path);
+    fs::path identity = FileIdentity(path);
     for (std::size_t i = 0; i < seen.size(); ++i) {
       if (seen[i] != identity) continue;
       const std::string what = i < input_count ? " is an input" : " is named for two outputs";
@@ -49,6 +41,13 @@ absl::Status CheckDistinct(const OutputPaths& paths, const std::vector<std::stri
 }
 
 }  // namespace
+
+fs::path FileIdentity(const std::string& path) {
+  std::error_code error;
+  const fs::path absolute = fs::absolute(path, error);
+  const fs::path canonical = fs::weakly_canonical(absolute, error);
+  return error ? fs::path(path) : canonical;
+}
 
 absl::Status CheckOutputs(const OutputPaths& paths, const std::vector<std::string>& inputs) {
   LIMN_RETURN_IF_ERROR(CheckDistinct(paths, inputs));

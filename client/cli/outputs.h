@@ -2,6 +2,7 @@
 // The files that `limn interpolate` writes; those of `limn evaluate` are checked here too.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,9 @@ struct OutputPaths {
   // Samples of an evaluation; see client/cli/samples_file.h.
   std::string samples;
 };
+
+// The same for any two ways to write the name of one file, whether it exists or not.
+[[nodiscard]] std::filesystem::path FileIdentity(const std::string& path);
 
 // Whether all of them can be written, before any work is done. inputs: which must not be among
 // them; empty names are none. Errors: those of CheckWritable; INVALID_OPTION for a file that is

@@ -48,12 +48,12 @@ JsonObject ToJson(const std::map<std::string, Percentiles>& rows) {
   for (const auto& [name, p] : rows) {
     object.Add(name, JsonObject()
                          .Add("count", p.count)
-                         .Add("mean", p.mean)
-                         .Add("p50", p.p50)
-                         .Add("p90", p.p90)
-                         .Add("p99", p.p99)
-                         .Add("p99.9", p.p999)
-                         .Add("max", p.max));
+                         .AddNumber("mean", p.mean)
+                         .AddNumber("p50", p.p50)
+                         .AddNumber("p90", p.p90)
+                         .AddNumber("p99", p.p99)
+                         .AddNumber("p99.9", p.p999)
+                         .AddNumber("max", p.max));
   }
   return object;
 }
@@ -145,18 +145,18 @@ std::string ReportJson(const LoadReport& report) {
   JsonObject outcomes;
   for (const auto& [outcome, count] : report.outcomes) outcomes.Add(outcome, count);
   JsonObject object;
-  object.Add("sending_seconds", report.sending_seconds)
-      .Add("seconds", report.seconds)
+  object.AddNumber("sending_seconds", report.sending_seconds)
+      .AddNumber("seconds", report.seconds)
       .Add("offered", report.offered)
       .Add("sent", report.sent)
       .Add("late", report.late)
       .Add("dropped", report.dropped)
       .Add("good", report.good)
-      .Add("offered_rate", report.offered_rate)
-      .Add("achieved_rate", report.achieved_rate)
-      .Add("good_rate", report.good_rate)
-      .Add("vertex_rate", report.vertex_rate)
-      .Add("byte_rate", report.byte_rate)
+      .AddNumber("offered_rate", report.offered_rate)
+      .AddNumber("achieved_rate", report.achieved_rate)
+      .AddNumber("good_rate", report.good_rate)
+      .AddNumber("vertex_rate", report.vertex_rate)
+      .AddNumber("byte_rate", report.byte_rate)
       .Add("latency", ToJson(report.latency))
       .Add("first_tile", ToJson(report.first_tile))
       .Add("last_tile", ToJson(report.last_tile))
@@ -167,7 +167,7 @@ std::string ReportJson(const LoadReport& report) {
                               .Add("bytes_before", report.process->bytes_before)
                               .Add("bytes_peak", report.process->bytes_peak)
                               .Add("bytes_after", report.process->bytes_after)
-                              .Add("cpu_seconds", report.process->cpu_seconds));
+                              .AddNumber("cpu_seconds", report.process->cpu_seconds));
   }
   return object.Text() + "\n";
 }

@@ -2,6 +2,7 @@
 #include "engine/limit/limit_masks.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -186,6 +187,39 @@ double DartAngle(RingKind kind, std::size_t n) {
   return (low + high) / 2;
 }
 
+PointMask ComputePointMask(RingKind kind, std::size_t n) {
+  const double m = static_cast<double>(n);
+  if (kind == RingKind::kQuads) return {.edge = 4 / (m * (m + 5)), .face = 1 / (m * (m + 5))};
+  return {.edge = 1 / (m + 0.375 * m / LoopNeighbourWeight(n))};
+}
+
+PointMask ComputeTangentMask(RingKind kind, std::size_t n) {
+  if (n == 2) return {.edge = 0.5, .face = kind == RingKind::kQuads ? 0.5 : 0};
+  const Wave wave = WaveOf(kind, 2 * kPi / static_cast<double>(n));
+  const double scale = 2 / (static_cast<double>(n) * (1 + wave.left * wave.right));
+  return {.edge = scale, .face = scale * wave.left};
+}
+
+// The masks of small valences, 2 and more: computing one takes longer than using it.
+using MaskFunction = PointMask (*)(RingKind kind, std::size_t n);
+template <MaskFunction kCompute>
+PointMask Kept(RingKind kind, std::size_t n) {
+  constexpr std::size_t kSmall = 32;
+  struct Table {
+    Table() {
+      for (std::size_t m = 2; m < kSmall; ++m) {
+        quads[m] = kCompute(RingKind::kQuads, m);
+        triangles[m] = kCompute(RingKind::kTriangles, m);
+      }
+    }
+    std::array<PointMask, kSmall> quads;
+    std::array<PointMask, kSmall> triangles;
+  };
+  static const Table kTable;
+  if (n < 2 || n >= kSmall) return kCompute(kind, n);
+  return kind == RingKind::kQuads ? kTable.quads[n] : kTable.triangles[n];
+}
+
 }  // namespace
 
 Wave WaveOf(RingKind kind, double angle) {
@@ -195,17 +229,10 @@ Wave WaveOf(RingKind kind, double angle) {
   return {.eigenvalue = 0.25 + c * sum / 8, .left = 1 / sum, .right = 4 / sum};
 }
 
-PointMask SmoothPointMask(RingKind kind, std::size_t n) {
-  const double m = static_cast<double>(n);
-  if (kind == RingKind::kQuads) return {.edge = 4 / (m * (m + 5)), .face = 1 / (m * (m + 5))};
-  return {.edge = 1 / (m + 0.375 * m / LoopNeighbourWeight(n))};
-}
+PointMask SmoothPointMask(RingKind kind, std::size_t n) { return Kept<ComputePointMask>(kind, n); }
 
 PointMask SmoothTangentMask(RingKind kind, std::size_t n) {
-  if (n == 2) return {.edge = 0.5, .face = kind == RingKind::kQuads ? 0.5 : 0};
-  const Wave wave = WaveOf(kind, 2 * kPi / static_cast<double>(n));
-  const double scale = 2 / (static_cast<double>(n) * (1 + wave.left * wave.right));
-  return {.edge = scale, .face = scale * wave.left};
+  return Kept<ComputeTangentMask>(kind, n);
 }
 
 SectorMask CreaseMask(RingKind kind, std::size_t f) {

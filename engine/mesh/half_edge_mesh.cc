@@ -79,11 +79,20 @@ class HalfEdgeMeshBuilder {
     mesh_.vertex_ = input_.corner_vertex;
     mesh_.face_begin_ = input_.face_begin;
     mesh_.face_.resize(corners);
-    return ParallelFor(context_, input_.face_count(), [&](std::size_t begin, std::size_t end) {
+    const Index* const first = mesh_.face_begin_.data();
+    Index* const face = mesh_.face_.data();
+    return ParallelFor(context_, input_.face_count(), [=](std::size_t begin, std::size_t end) {
+      // Arities are as good as random. Four at a time, and what is written too much is overwritten
+      // by the faces that follow, but not beyond the range.
+      constexpr Index kStep = 4;
+      const Index safe = first[end] - std::min(first[end], kStep - 1);
       for (std::size_t f = begin; f < end; ++f) {
-        for (Index h = mesh_.face_begin_[f]; h < mesh_.face_begin_[f + 1]; ++h) {
-          mesh_.face_[h] = static_cast<Index>(f);
+        const Index stop = first[f + 1];
+        Index h = first[f];
+        for (; h < stop && h < safe; h += kStep) {
+          std::fill_n(face + h, kStep, static_cast<Index>(f));
         }
+        for (; h < stop; ++h) face[h] = static_cast<Index>(f);
       }
     });
   }
@@ -92,9 +101,11 @@ class HalfEdgeMeshBuilder {
   template <class Visit>
   void ForEachHalfEdge(const Visit& visit) const {
     const Index* const vertex = mesh_.vertex_.data();
-    for (std::size_t f = 0; f < input_.face_count(); ++f) {
-      const Index begin = mesh_.face_begin_[f];
-      const Index last = mesh_.face_begin_[f + 1] - 1;
+    const Index* const face_begin = mesh_.face_begin_.data();
+    const std::size_t faces = input_.face_count();
+    for (std::size_t f = 0; f < faces; ++f) {
+      const Index begin = face_begin[f];
+      const Index last = face_begin[f + 1] - 1;
       for (Index h = begin; h < last; ++h) visit(h, vertex[h], vertex[h + 1]);
       visit(last, vertex[last], vertex[begin]);
     }
@@ -117,25 +128,31 @@ class HalfEdgeMeshBuilder {
     bucket_begin_.assign(vertices + 1, 0);
     mesh_.fan_begin_.assign(vertices + 1, 0);
     mesh_.vertex_half_edge_.assign(vertices, kNoIndex);
-    LIMN_RETURN_IF_ERROR(for_each_range([&](std::size_t lo, std::size_t size) {
-      ForEachHalfEdge([&](Index h, Index from, Index to) {
+    // Pointers are copied into the loops: looking them up again at each step takes a third of it.
+    Index* const fan_begin = mesh_.fan_begin_.data();
+    Index* const vertex_half_edge = mesh_.vertex_half_edge_.data();
+    Index* const bucket_begin = bucket_begin_.data();
+    LIMN_RETURN_IF_ERROR(for_each_range([=, this](std::size_t lo, std::size_t size) {
+      ForEachHalfEdge([=](Index h, Index from, Index to) {
         if (from - lo < size) {
-          ++mesh_.fan_begin_[from];
-          mesh_.vertex_half_edge_[from] = h;
+          ++fan_begin[from];
+          vertex_half_edge[from] = h;
         }
         const Index owner = std::min(from, to);
-        if (owner - lo < size) ++bucket_begin_[owner];
+        if (owner - lo < size) ++bucket_begin[owner];
       });
     }));
     LIMN_RETURN_IF_ERROR(ParallelExclusiveSum(context_, absl::MakeSpan(mesh_.fan_begin_)));
     LIMN_RETURN_IF_ERROR(ParallelExclusiveSum(context_, absl::MakeSpan(bucket_begin_)));
     bucket_.resize(input_.corner_count());
-    Buffer<Index> cursor(bucket_begin_);
-    return for_each_range([&](std::size_t lo, std::size_t size) {
-      ForEachHalfEdge([&](Index h, Index from, Index to) {
+    Buffer<Index> cursors(bucket_begin_);
+    Index* const cursor = cursors.data();
+    EdgeUse* const bucket = bucket_.data();
+    return for_each_range([=, this](std::size_t lo, std::size_t size) {
+      ForEachHalfEdge([=](Index h, Index from, Index to) {
         const Index owner = std::min(from, to);
         if (owner - lo < size) {
-          bucket_[cursor[owner]++] = {.other_end = std::max(from, to), .half_edge = h};
+          bucket[cursor[owner]++] = {.other_end = std::max(from, to), .half_edge = h};
         }
       });
     });
@@ -197,6 +214,7 @@ class HalfEdgeMeshBuilder {
   absl::Status OrderFans() {
     const std::size_t vertices = input_.vertex_count();
     mesh_.fan_.resize(input_.corner_count());
+    LIMN_RETURN_IF_ERROR(FindNextAround());
     std::vector<FanFindings> blocks((vertices + kScanBlock - 1) / kScanBlock);
     LIMN_RETURN_IF_ERROR(ParallelBlocks(context_, vertices, kScanBlock,
                                         [&](std::size_t block, std::size_t begin, std::size_t end) {
@@ -208,6 +226,24 @@ class HalfEdgeMeshBuilder {
     return ReportFans(all);
   }
 
+  // The half-edge that follows each around the vertex that it leaves, counter-clockwise, in one
+  // array, so that walks around vertices have one step to wait for. It lives where the edges will.
+  absl::Status FindNextAround() {
+    mesh_.edge_.resize(input_.corner_count());
+    const Index* const first = mesh_.face_begin_.data();
+    const Index* const twin = mesh_.twin_.data();
+    Index* const next_around = mesh_.edge_.data();
+    return ParallelFor(context_, input_.face_count(), [=](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f) {
+        Index before = first[f + 1] - 1;
+        for (Index h = first[f]; h < first[f + 1]; ++h) {
+          next_around[h] = twin[before];
+          before = h;
+        }
+      }
+    });
+  }
+
   void OrderFan(std::size_t v, FanFindings* findings) {
     const Index begin = mesh_.fan_begin_[v];
     const Index end = mesh_.fan_begin_[v + 1];
@@ -216,17 +252,19 @@ class HalfEdgeMeshBuilder {
       findings->first_isolated = std::min<std::uint64_t>(findings->first_isolated, v);
       return;
     }
-    const PolygonWalk walk(mesh_);
+    const Index* const next_around = mesh_.edge_.data();
+    Index* const fan = mesh_.fan_.data();
     Index start = mesh_.vertex_half_edge_[v];
     Index at = begin;
     Index h = start;
     while (at < end) {
-      mesh_.fan_[at++] = h;
-      h = mesh_.twin_[walk.Prev(h)];
+      fan[at++] = h;
+      h = next_around[h];
       if (h == start || h == kNoIndex) break;
     }
     if (h == kNoIndex) {
       // A boundary: what lies clockwise of the start comes first.
+      const PolygonWalk walk(mesh_);
       const Index counter_clockwise = at - begin;
       for (h = RotateCw(walk, mesh_.twin_, start); h != kNoIndex && at < end;
            h = RotateCw(walk, mesh_.twin_, h)) {

@@ -40,25 +40,47 @@ class VertexRefiner {
       : mesh_(level.mesh), sharpness_(level.sharpness), walk_(level.mesh), in_(in), empty_(empty) {}
 
   absl::Status Run(const Context& context, Vec3* out) const {
-    const bool creased = sharpness_.creased();
-    return ParallelFor(context, mesh_.vertex_count(), kGrain,
-                       [&](std::size_t begin, std::size_t end) {
-                         if (creased) {
-                           for (std::size_t v = begin; v < end; ++v) out[v] = CreasedPoint(v);
-                         } else {
-                           for (std::size_t v = begin; v < end; ++v) out[v] = PlainPoint(v);
-                         }
-                       });
+    if (sharpness_.creased()) {
+      return ForEach(context, [this, out](std::size_t v) { out[v] = CreasedPoint(v); });
+    }
+    // Meshes from Build have fans, in the order in which twins lead around: read off them, no step
+    // has to wait for the one before.
+    if (mesh_.arity() == 0) {
+      return ForEach(context, [this, out](std::size_t v) { out[v] = PointByFan(v); });
+    }
+    return ForEach(context, [this, out](std::size_t v) { out[v] = PointByTwins(v); });
   }
 
  private:
   static constexpr std::size_t kGrain = 512;
 
-  Vec3 PlainPoint(std::size_t v) const {
+  template <class Body>
+  absl::Status ForEach(const Context& context, const Body& body) const {
+    return ParallelFor(context, mesh_.vertex_count(), kGrain,
+                       [&](std::size_t begin, std::size_t end) {
+                         for (std::size_t v = begin; v < end; ++v) body(v);
+                       });
+  }
+
+  Vec3 PointByFan(std::size_t v) const {
     Star star = empty_;
+    const Index* const fan = mesh_.fan().data();
+    const Index end = mesh_.fan_begin()[v + 1];
+    for (Index i = mesh_.fan_begin()[v]; i < end; ++i) star.Add(fan[i]);
+    if (mesh_.twin()[mesh_.vertex_half_edge()[v]] != kNoIndex) return star.Point(in_[v]);
+    return BoundaryPoint(v, walk_.Prev(fan[end - 1]));
+  }
+
+  Vec3 PointByTwins(std::size_t v) const {
+    Star star = empty_;
+    const Index entering =
+        VisitFan(walk_, mesh_.twin(), mesh_.vertex_half_edge()[v], [&](Index h) { star.Add(h); });
+    return entering == kNoIndex ? star.Point(in_[v]) : BoundaryPoint(v, entering);
+  }
+
+  // entering: the half-edge that enters the vertex along the boundary.
+  Vec3 BoundaryPoint(std::size_t v, Index entering) const {
     const Index start = mesh_.vertex_half_edge()[v];
-    const Index entering = VisitFan(walk_, mesh_.twin(), start, [&](Index h) { star.Add(h); });
-    if (entering == kNoIndex) return star.Point(in_[v]);
     const bool one_face = entering == walk_.Prev(start);
     if (one_face && sharpness_.boundary == BoundaryRule::kEdgeAndCorner) return in_[v];
     return 0.75 * in_[v] + 0.125 * (End(start) + in_[mesh_.vertex()[entering]]);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Many jobs over one connection, as a program that uses the client library sends them.
 //
-//   submit_jobs SERVERS MESH JOBS PARALLEL LEVEL [ATTEMPTS]
+//   submit_jobs SERVERS MESH JOBS PARALLEL LEVEL [ATTEMPTS [packed|draco|draco-quantized]]
 //
 // Prints a line per job that has ended, "SECONDS_SINCE_BEGIN LATENCY ok|ERROR", then
 // "jobs=N failed=N digests=N seconds=S": digests counts the different answers (1: all the same
@@ -59,6 +59,14 @@ int main(int argc, char** argv) {
   header.mutable_surface()->set_level(static_cast<std::uint32_t>(std::atoi(argv[5])));
   header.mutable_output()->set_surface(true);
   limn::ClientOptions options;
+  if (argc > 7) {
+    const std::string_view name = argv[7];
+    header.mutable_mesh()->set_encoding(name == "draco" ? limn::v1::MESH_ENCODING_DRACO
+                                        : name == "draco-quantized"
+                                            ? limn::v1::MESH_ENCODING_DRACO_QUANTIZED
+                                            : limn::v1::MESH_ENCODING_PACKED);
+    header.mutable_output()->set_encoding(header.mesh().encoding());
+  }
   if (argc > 6) options.attempts = std::atoi(argv[6]);
   const limn::Client client = limn::Client::Connect(argv[1], options);
 

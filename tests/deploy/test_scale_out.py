@@ -20,6 +20,8 @@ REPORT = Report("scale-out.md", ["way", "what happens", "jobs", "lost", "jobs pe
 
 class ScaleOut(unittest.TestCase):
     way = ""
+    # How far a server's share may be from a third.
+    slack = 0.1
 
     def setUp(self):
         self.folder = tempfile.mkdtemp(prefix="limn-deploy-")
@@ -67,8 +69,8 @@ class Common:
     def test_balance(self):
         before = self.counts()
         counts = self.check(self.submit(900).finish(), "nothing", before)
-        self.assertGreaterEqual(min(counts), 0.8 * 300, counts)
-        self.assertLessEqual(max(counts), 1.2 * 300, counts)
+        self.assertGreaterEqual(min(counts), (1 - self.slack) * 300, counts)
+        self.assertLessEqual(max(counts), (1 + self.slack) * 300, counts)
 
     def test_uploads_of_one_connection_do_not_stop_each_other(self):
         self.mesh = os.path.join(self.folder, "large.obj")
@@ -117,6 +119,8 @@ class Common:
 
 class ByProxy(Common, ScaleOut):
     way = "HAProxy"
+    # Who is faster is free sooner, and has the fewest calls.
+    slack = 0.6
 
     def setUp(self):
         super().setUp()

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Loaded before Draco's library: an encoder that never ends, as the real one does not for as long
 // as anybody would wait, and that sees no cancel, as the real one does not.
-#include <draco/compression/expert_encode.h>
+#include <draco/compression/point_cloud/point_cloud_encoder.h>
 #include <unistd.h>
 
 namespace draco {
 
-Status ExpertEncoder::EncodeToBuffer(EncoderBuffer* /*out_buffer*/) {
+Status PointCloudEncoder::Encode(const EncoderOptions& /*options*/, EncoderBuffer* /*out*/) {
   for (;;) pause();
 }
 

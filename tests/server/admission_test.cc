@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/job_cost.h"
 #include "tests/server/service_fixture.h"
 
 namespace limn {
@@ -78,6 +79,69 @@ TEST(AdmissionTest, TheJobAfterTheLastPlaceIsRefusedExactly) {
   for (const std::unique_ptr<RawCall>& call : calls) call->Cancel();
   for (std::thread& thread : threads) thread.join();
   EXPECT_TRUE(PlaceBecomesFree(server->InProcessChannel()));
+}
+
+// One job runs, three wait, and the fourth would be above a bound that three of them fill.
+void ExpectFifthIsRefused(const std::function<void(const JobSpec&, ServerLimits*)>& limit_to_three,
+                          const std::string& limit) {
+  ServerOptions options{.threads = 1};
+  options.limits.workers = 1;
+  options.limits.interactive_milliseconds = 0;
+  const std::vector<v1::InterpolateRequest> upload =
+      MakeUpload(MakeEndlessHeader(), MakeSphere(20'000));
+  const absl::StatusOr<JobSpec> spec = JobSpecFromProto(upload.front().header());
+  ASSERT_TRUE(spec.ok()) << spec.status();
+  limit_to_three(*spec, &options.limits);
+  const std::unique_ptr<Server> server = StartServer(options);
+  // The first runs, and each of the others has its place, before the next one comes.
+  const auto wait_for = [&](std::uint32_t waiting) {
+    const std::string depth = "limn_queue_depth{lane=\"batch\"} " + std::to_string(waiting) + "\n";
+    for (int attempt = 0; attempt < 1000; ++attempt) {
+      const std::string metrics = server->MetricsText();
+      if (metrics.find(depth) != std::string::npos &&
+          metrics.find("limn_running_jobs{lane=\"batch\"} 1\n") != std::string::npos) {
+        return true;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return false;
+  };
+  std::vector<std::unique_ptr<RawCall>> calls;
+  const auto add = [&] {
+    calls.push_back(std::make_unique<RawCall>(server->InProcessChannel()));
+    EXPECT_TRUE(calls.back()->Write(upload));
+    EXPECT_TRUE(calls.back()->Read().has_value()) << calls.back()->Finish();
+  };
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    add();
+    ASSERT_TRUE(wait_for(i)) << i;
+  }
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    RawCall refused(server->InProcessChannel());
+    refused.Write(upload);
+    ExpectBusy(refused, limit);
+  }
+  // One that gives up makes room for one.
+  calls.pop_back();
+  ASSERT_TRUE(wait_for(2));
+  add();
+  EXPECT_TRUE(wait_for(3));
+}
+
+TEST(AdmissionTest, TheJobAfterTheLastBytesIsRefusedExactly) {
+  ExpectFifthIsRefused(
+      [](const JobSpec& spec, ServerLimits* limits) {
+        limits->queue_bytes = 3 * EstimateJobBytes(spec);
+      },
+      "queue-bytes");
+}
+
+TEST(AdmissionTest, TheJobAfterTheLastOfTheCostIsRefusedExactly) {
+  ExpectFifthIsRefused(
+      [](const JobSpec& spec, ServerLimits* limits) {
+        limits->queue_milliseconds = 3 * EstimateMilliseconds(spec);
+      },
+      "queue-milliseconds");
 }
 
 TEST(AdmissionTest, TheUploadAfterTheLastIsRefusedExactly) {
