@@ -38,10 +38,12 @@ absl::StatusOr<std::string> ReadPem(std::string_view flag, const std::string& pa
 }  // namespace
 
 absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(const std::string& address,
-                                                           const ClientSecurity& security) {
+                                                           const ClientSecurity& security,
+                                                           bool shared) {
   LIMN_ASSIGN_OR_RETURN(const ServerAddresses servers, ParseServers(address));
   grpc::ChannelArguments arguments;
   SetBalancing(servers, &arguments);
+  if (!shared) arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   // A proxy from the environment would be asked for this very machine too.
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   // A server that comes back is found soon, and one that has gone without a word is missed.

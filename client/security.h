@@ -34,9 +34,10 @@ struct ClientSecurity {
 
 // A channel to a server; it connects when the first call needs it. address: one or several, as
 // ParseServers has them, and balanced as SetBalancing says. Errors: INVALID_OPTION naming "server",
-// "tls-ca", "tls-cert", "tls-key" or "token-file".
+// "tls-ca", "tls-cert", "tls-key" or "token-file". shared: with other channels of the same kind;
+// else its connection is its own.
 [[nodiscard]] absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeChannel(
-    const std::string& address, const ClientSecurity& security);
+    const std::string& address, const ClientSecurity& security, bool shared = true);
 
 // The value of the metadata "authorization" that a token file stands for; empty without one.
 // Errors: as above.

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
 #include "engine/base/guard.h"
 
@@ -10,6 +11,12 @@ namespace limn {
 namespace {
 
 using Seconds = std::chrono::duration<double>;
+
+// The call's name, and the job's.
+Caller Named(Caller caller, const std::string& id) {
+  absl::StrAppend(&caller.request_id, "/", id);
+  return caller;
+}
 
 }  // namespace
 
@@ -20,13 +27,14 @@ BatchJob::BatchJob(ServiceCore& core, const Caller& caller, std::string id, std:
       digest_(std::move(digest)),
       client_(caller.client),
       start_(Clock::now()),
-      run_(core, caller, std::nullopt) {}
+      run_(core, Named(caller, id_), std::nullopt) {}
 
 BatchJob::~BatchJob() {
-  if (phase_ != Phase::kAnswered && error_.ok()) {
+  if (logged_) return;
+  if (error_.ok()) {
     error_ = MakeError("the client cancelled or is gone", {.reason = Reason::kCancelled});
   }
-  run_.LogEnd(error_, true);
+  run_.LogEnd(error_, true, id_);
 }
 
 absl::Status BatchJob::TakeHeader(const v1::InterpolateHeader& header, v1::Accepted* accepted) {
@@ -36,7 +44,7 @@ absl::Status BatchJob::TakeHeader(const v1::InterpolateHeader& header, v1::Accep
 absl::Status BatchJob::Enqueue() {
   // Held by the task, which may begin at once.
   const Lock lock(mutex_);
-  LIMN_RETURN_IF_ERROR(run_.Enqueue([this](const ProgressEvent& event) { TakeProgress(event); },
+  LIMN_RETURN_IF_ERROR(run_.Enqueue([this](const ProgressEvent& event) { Report(event); },
                                     [self = shared_from_this()] { self->Run(); }));
   phase_ = Phase::kQueued;
   return absl::OkStatus();
@@ -68,7 +76,7 @@ void BatchJob::Run() {
   Tell();
 }
 
-void BatchJob::TakeProgress(const ProgressEvent& event) {
+void BatchJob::Report(const ProgressEvent& event) {
   const Lock lock(mutex_);
   if (phase_ != Phase::kRunning || !error_.ok()) return;
   if (!progress_.has_value()) progress_.emplace();
@@ -118,15 +126,6 @@ bool BatchJob::Stop(const absl::Status& why) {
   return true;
 }
 
-bool BatchJob::CheckQueueTime(Clock::time_point now) {
-  absl::Status status;
-  {
-    const Lock lock(mutex_);
-    if (phase_ == Phase::kQueued && error_.ok()) status = run_.CheckQueueTime(now);
-  }
-  return !status.ok() && Stop(status);
-}
-
 bool BatchJob::BeginEncode(const Stream* stream) {
   const Lock lock(mutex_);
   if (phase_ != Phase::kAnswering || encoding_ || stream_.lock().get() != stream) return false;
@@ -147,6 +146,7 @@ absl::Status BatchJob::Encode(v1::InterpolateResponse* message) {
       run_.job()->Rewind();
     } else if (message->has_summary()) {
       phase_ = Phase::kAnswered;
+      if (!std::exchange(logged_, true)) run_.LogEnd(absl::OkStatus(), true, id_);
     } else if (message->has_tile() && !std::exchange(tile_seen_, true)) {
       core_.metrics.ObserveFirstTile(Seconds(Clock::now() - start_).count());
     }
@@ -160,11 +160,6 @@ absl::Status BatchJob::Encode(v1::InterpolateResponse* message) {
 absl::Status BatchJob::error() const {
   const Lock lock(mutex_);
   return phase_ == Phase::kFailed ? error_ : absl::OkStatus();
-}
-
-bool BatchJob::answered() const {
-  const Lock lock(mutex_);
-  return phase_ == Phase::kAnswered;
 }
 
 }  // namespace limn

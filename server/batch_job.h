@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -30,7 +31,7 @@ class BatchJob final : public std::enable_shared_from_this<BatchJob> {
 
   // core must outlive it. digest: empty for a job that ends with its stream.
   BatchJob(ServiceCore& core, const Caller& caller, std::string id, std::string digest);
-  // Counts and logs it.
+  // Counts and logs it, unless its answer was made, which did.
   ~BatchJob();
 
   const std::string& id() const { return id_; }
@@ -41,24 +42,26 @@ class BatchJob final : public std::enable_shared_from_this<BatchJob> {
   // Where its messages are made. Not before a header was taken.
   WorkerThreads& delivery() { return run_.lane()->delivery(); }
 
+  const std::string& lane_name() const { return run_.lane()->name(); }
+
   // As JobRun's.
   [[nodiscard]] absl::Status TakeHeader(const v1::InterpolateHeader& header,
                                         v1::Accepted* accepted);
   [[nodiscard]] absl::Status TakeChunk(const v1::MeshChunk& chunk) { return run_.TakeChunk(chunk); }
   bool upload_complete() const { return run_.upload_complete(); }
+  std::uint64_t bytes_uploaded() const { return run_.bytes_uploaded(); }
+  std::uint64_t bytes_expected() const { return run_.bytes_expected(); }
   [[nodiscard]] absl::Status Enqueue();
 
-  // Whose it is from now on: its answer begins anew. What it has already it does not tell.
+  // Whose it is from now on: its answer begins anew. What it has already it may tell or not.
   void Attach(const std::weak_ptr<Stream>& stream);
   // It is nobody's. True: it goes on, or has an answer. False: it has failed, or is not complete.
   [[nodiscard]] bool Detach();
 
   // Ends it with this error, unless it has failed or its answer is complete. True: it has failed
-  // now. False: nothing was to be done, or something runs that sees it soon; then its stream is
-  // told.
+  // now. False: nothing was to be done, or something runs that sees it soon; then its stream, if it
+  // has one, is told.
   bool Stop(const absl::Status& why);
-  // The same once it has waited for its turn for too long.
-  bool CheckQueueTime(Clock::time_point now);
 
   // What it reported last, once.
   std::optional<v1::Progress> TakeProgress();
@@ -66,21 +69,19 @@ class BatchJob final : public std::enable_shared_from_this<BatchJob> {
   // Whether `stream` may make a message of its answer now; then it must call Encode, once, from
   // one thread.
   [[nodiscard]] bool BeginEncode(const Stream* stream);
-  // The next message of its answer; after the last one, answered() is true. Errors: those of
-  // Job::NextMessage, after which it has failed.
+  // The next message of its answer; the last one is the summary. Errors: those of Job::NextMessage,
+  // after which it has failed.
   [[nodiscard]] absl::Status Encode(v1::InterpolateResponse* message);
 
   // Why it failed, if it did.
   absl::Status error() const;
-  // Whether its answer has been made to the end.
-  bool answered() const;
 
  private:
   enum class Phase { kUpload, kQueued, kRunning, kAnswering, kAnswered, kFailed };
   using Lock = std::lock_guard<std::mutex>;
 
   void Run();
-  void TakeProgress(const ProgressEvent& event);
+  void Report(const ProgressEvent& event);
   void Tell();
 
   ServiceCore& core_;
@@ -100,6 +101,7 @@ class BatchJob final : public std::enable_shared_from_this<BatchJob> {
   // Another stream wants the answer from its beginning, once nobody encodes.
   bool rewind_ = false;
   bool tile_seen_ = false;
+  bool logged_ = false;
 };
 
 }  // namespace limn

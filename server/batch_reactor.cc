@@ -8,6 +8,8 @@
 #include "engine/base/error.h"
 #include "engine/base/guard.h"
 #include "proto/wire/status.h"
+#include "server/deadline.h"
+#include "server/stream_errors.h"
 
 namespace limn {
 namespace {
@@ -27,15 +29,6 @@ std::int64_t Inflight(const v1::BatchResponse& message) {
   return IsAnswer(message) ? static_cast<std::int64_t>(message.ByteSizeLong()) : 0;
 }
 
-absl::Status Gone() {
-  return MakeError("the client cancelled or is gone", {.reason = Reason::kCancelled});
-}
-
-absl::Status Stopping() {
-  return MakeError("the server is stopping", {.reason = Reason::kShuttingDown,
-                                              .remedy = "Try another server, or again later"});
-}
-
 }  // namespace
 
 BatchReactor* BatchReactor::Create(ServiceCore& core, KeptJobs& kept,
@@ -50,6 +43,7 @@ BatchReactor::BatchReactor(ServiceCore& core, KeptJobs& kept, grpc::CallbackServ
     : core_(core),
       kept_(kept),
       context_(context),
+      deadline_(DeadlineOf(context->raw_deadline())),
       caller_(IdentifyCaller(*context, core.tokens.get())),
       start_(Clock::now()),
       watch_(core.limits, start_) {}
@@ -61,7 +55,7 @@ void BatchReactor::Start() {
   if (!caller_.authorized.ok()) {
     End(caller_.authorized);
   } else if (core_.draining.load()) {
-    End(Stopping());
+    End(ServerIsStopping());
   }
   Advance();
   TryWrite();
@@ -79,9 +73,8 @@ void BatchReactor::OnReadDone(bool ok) {
     }
     return;
   }
-  watch_.Touch(Clock::now());
   if (!ok && context_->IsCancelled()) {
-    End(Gone());
+    End(CallIsOver(deadline_));
   } else if (!ok) {
     EndOfRequests();
   } else {
@@ -95,7 +88,7 @@ void BatchReactor::OnReadDone(bool ok) {
 }
 
 void BatchReactor::AddJob(const JobPointer& job) {
-  jobs_[job->id()] = job;
+  jobs_[job->id()] = {.job = job};
   job->Attach(weak_from_this());
 }
 
@@ -103,40 +96,63 @@ void BatchReactor::JobReady(const JobPointer& job) {
   const Lock lock(mutex_);
   if (end_.has_value()) return;
   Ready(job);
+  // It may have given its place back.
+  try_again_ = true;
   Advance();
   PumpEncoders();
   TryWrite();
 }
 
+// Told once or more often, or too late.
 void BatchReactor::Ready(const JobPointer& job) {
-  if (const absl::Status status = job->error(); !status.ok()) {
-    Fail(job, status);
-  } else {
-    ready_.push_back(job);
-  }
+  const auto found = jobs_.find(job->id());
+  if (found == jobs_.end() || found->second.job != job || found->second.queued) return;
+  if (const absl::Status status = job->error(); !status.ok()) return Fail(job, status);
+  found->second.queued = true;
+  ready_.push_back(job);
 }
 
-// For a job that has failed already, or that is nobody's yet.
+// For one of its jobs, which has failed, and for one that was not admitted.
 void BatchReactor::Fail(const JobPointer& job, const absl::Status& status) {
   (void)job->Stop(status);
   if (!job->digest().empty()) kept_.Forget(*job);
+  SendError(job->id(), job->request_id(), status);
   jobs_.erase(job->id());
-  SendError(job->id(), status);
+  try_again_ = true;
+  Drop(job);
 }
 
-void BatchReactor::SendError(const std::string& id, const absl::Status& status) {
+void BatchReactor::SendError(const std::string& id, const std::string& request_id,
+                             const absl::Status& status) {
   ++failed_;
   auto message = std::make_unique<v1::BatchResponse>();
   message->set_job_id(id);
-  *message->mutable_error() = wire::ToRichStatus(status, id);
+  *message->mutable_error() = wire::ToRichStatus(status, request_id);
   outbox_.push_back(std::move(message));
+}
+
+void BatchReactor::SendAccepted(const std::string& id, const v1::Accepted& accepted) {
+  auto message = std::make_unique<v1::BatchResponse>();
+  message->set_job_id(id);
+  *message->mutable_response()->mutable_accepted() = accepted;
+  outbox_.push_back(std::move(message));
+}
+
+// Giving back a large result takes long, so another thread does it.
+void BatchReactor::Drop(JobPointer job) {
+  core_.lanes.batch.delivery().Post([job = std::move(job)] {});
 }
 
 void BatchReactor::PumpEncoders() {
   while (!end_.has_value() && !ready_.empty() && outbox_.size() + encoding_ < kMostEncoded) {
     const JobPointer job = std::move(ready_.front());
     ready_.pop_front();
-    if (!job->BeginEncode(this)) continue;
+    const auto found = jobs_.find(job->id());
+    if (found == jobs_.end() || found->second.job != job) continue;
+    if (!job->BeginEncode(this)) {
+      found->second.queued = false;
+      continue;
+    }
     ++encoding_;
     job->delivery().Post([self = shared_from_this(), job] { self->Encode(job); });
   }
@@ -150,13 +166,17 @@ void BatchReactor::Encode(const JobPointer& job) {
   const Lock lock(mutex_);
   --encoding_;
   if (end_.has_value()) return;
-  if (status.ok()) {
-    core_.metrics.AddInflight(Inflight(*message));
-    outbox_.push_back(std::move(message));
-    // Before the client can have seen it.
-    job->answered() ? Answered(job) : ready_.push_back(job);
-  } else {
-    Fail(job, status);
+  if (const auto found = jobs_.find(job->id()); found != jobs_.end() && found->second.job == job) {
+    found->second.queued = false;
+    if (status.ok()) {
+      const bool last = message->response().has_summary();
+      core_.metrics.AddInflight(Inflight(*message));
+      outbox_.push_back(std::move(message));
+      // Before the client can have seen it.
+      last ? Answered(job) : Ready(job);
+    } else {
+      Fail(job, status);
+    }
   }
   Advance();
   PumpEncoders();
@@ -164,17 +184,20 @@ void BatchReactor::Encode(const JobPointer& job) {
 }
 
 void BatchReactor::Answered(const JobPointer& job) {
+  const Clock::time_point now = Clock::now();
   ++succeeded_;
-  watch_.Touch(Clock::now());
+  watch_.Touch(now);
+  try_again_ = true;
   jobs_.erase(job->id());
-  if (job->digest().empty()) return;
-  answered_.push_back(job);
-  if (answered_.size() > core_.limits.batch_window) (void)GiveUpAnAnswer();
+  if (job->digest().empty()) return Drop(job);
+  answered_.push_back({job, now});
+  if (answered_.size() > core_.limits.batch_window) Acknowledge(answered_.front().job->id());
 }
 
 void BatchReactor::TryWrite() {
   if (writing_ != nullptr || finished_) return;
-  const bool all_answered = input_ended_ && waiting_ == Waiting::kNothing && jobs_.empty();
+  const bool all_answered = input_ended_ && waiting_ == Waiting::kNothing &&
+                            !deferred_.has_value() && jobs_.empty() && encoding_ == 0;
   if (!end_.has_value() && outbox_.empty() && all_answered && !TotalsChanged()) {
     End(absl::OkStatus());
   }
@@ -197,7 +220,7 @@ void BatchReactor::TryWrite() {
 bool BatchReactor::WriteProgress() {
   if (!progress_round_) return false;
   for (auto at = jobs_.upper_bound(progress_after_); at != jobs_.end(); ++at) {
-    std::optional<v1::Progress> progress = at->second->TakeProgress();
+    std::optional<v1::Progress> progress = at->second.job->TakeProgress();
     if (!progress.has_value()) continue;
     progress_after_ = at->first;
     auto message = std::make_unique<v1::BatchResponse>();
@@ -235,7 +258,7 @@ void BatchReactor::OnWriteDone(bool ok) {
   core_.metrics.AddStall(Seconds(now - write_start_).count());
   core_.metrics.AddInflight(-Inflight(*writing_));
   writing_.reset();
-  if (!ok) End(Gone());
+  if (!ok) End(CallIsOver(deadline_));
   Advance();
   PumpEncoders();
   TryWrite();
@@ -243,7 +266,7 @@ void BatchReactor::OnWriteDone(bool ok) {
 
 void BatchReactor::OnCancel() {
   const Lock lock(mutex_);
-  End(Gone());
+  End(CallIsOver(deadline_));
   TryWrite();
 }
 
@@ -257,66 +280,66 @@ void BatchReactor::Stop(const absl::Status& status) {
 void BatchReactor::End(const absl::Status& status) {
   if (end_.has_value()) return;
   end_ = status;
-  uploading_ = nullptr;
-  if (admitting_ != nullptr && !admitting_->digest().empty()) kept_.Forget(*admitting_);
-  admitting_ = nullptr;
   const Clock::time_point now = Clock::now();
-  for (auto& [id, job] : jobs_) {
+  const absl::Status why = status.ok() ? CallIsOver(deadline_) : status;
+  const bool keep = !core_.draining.load();
+  const auto let_go = [&](const JobPointer& job) {
     const bool goes_on = job->Detach();
-    if (job->digest().empty()) {
-      (void)job->Stop(Gone());
-    } else if (goes_on && !core_.draining.load()) {
-      kept_.Keep(job, now);
-    } else {
-      (void)job->Stop(status.ok() ? Gone() : status);
-      kept_.Forget(*job);
-    }
-  }
+    if (keep && goes_on && !job->digest().empty()) return kept_.Keep(job, now);
+    (void)job->Stop(why);
+    if (!job->digest().empty()) kept_.Forget(*job);
+    Drop(job);
+  };
+  for (const auto& [id, entry] : jobs_) let_go(entry.job);
+  for (const AnsweredJob& entry : answered_) let_go(entry.job);
+  if (admitting_ != nullptr) let_go(std::exchange(admitting_, nullptr));
+  uploading_ = nullptr;
   jobs_.clear();
-  for (const JobPointer& job : answered_) {
-    (void)job->Detach();
-    kept_.Keep(job, now);
-  }
   answered_.clear();
   ready_.clear();
+  deferred_.reset();
   for (const auto& message : outbox_) core_.metrics.AddInflight(-Inflight(*message));
   outbox_.clear();
+  // Whoever sends everything before it reads has to get that far.
+  if (!reading_ && !finished_ && !input_ended_) {
+    reading_ = true;
+    StartRead(&request_);
+  }
 }
 
 void BatchReactor::CheckStall(Clock::time_point now) {
   const Lock lock(mutex_);
   if (done_) return;
-  const auto jobs = jobs_;
-  for (const auto& [id, job] : jobs) {
-    if (job->CheckQueueTime(now)) Fail(job, job->error());
+  while (!answered_.empty() &&
+         now - answered_.front().since >= std::chrono::seconds(core_.limits.resume_seconds)) {
+    Acknowledge(answered_.front().job->id());
   }
-  progress_round_ = true;
-  progress_after_.clear();
-  Advance();
-  PumpEncoders();
-  TryWrite();
   const bool writing = writing_ != nullptr || finished_;
-  const bool reading = !end_.has_value() && !input_ended_ && waiting_ == Waiting::kNothing;
+  const bool reading = reading_ && !end_.has_value() && waiting_ == Waiting::kNothing;
   const bool upload = reading && uploading_ != nullptr;
-  absl::Status status = watch_.Check(now, {.for_reader = writing,
-                                           .for_message = upload || (reading && jobs_.empty()),
-                                           .for_upload = upload});
   // An orderly end would not get through to a reader that takes nothing.
+  absl::Status status = watch_.Check(now, {.for_reader = writing});
   if (!status.ok() && writing) context_->TryCancel();
+  if (status.ok() && !end_.has_value()) {
+    status = watch_.Check(
+        now, {.for_message = upload || (reading && jobs_.empty()), .for_upload = upload});
+  }
   if (status.ok() && !end_.has_value()) status = CheckTimes(now);
   if (!status.ok()) End(status);
+  progress_round_ = true;
+  progress_after_.clear();
+  try_again_ = true;
+  Advance();
+  PumpEncoders();
   TryWrite();
 }
 
 absl::Status BatchReactor::CheckTimes(Clock::time_point now) const {
   const std::uint64_t stream = core_.limits.stream_seconds;
-  if (stream > 0 && now - start_ >= std::chrono::seconds(stream)) {
-    return MakeError(absl::StrCat("the call has taken ", stream, " seconds (limit stream-seconds)"),
-                     {.reason = Reason::kLimitExceeded, .limit = "stream-seconds"});
-  }
+  if (stream > 0 && now - start_ >= std::chrono::seconds(stream)) return StreamTookTooLong(stream);
   // Nothing new is taken, and what was taken has been answered.
   if (core_.draining.load() && jobs_.empty() && outbox_.empty() && !input_ended_) {
-    return Stopping();
+    return ServerIsStopping();
   }
   return absl::OkStatus();
 }

@@ -25,9 +25,9 @@
 namespace limn {
 
 // As JobReactor, it never blocks a reaction, has at most one read and one write under way, calls
-// Finish once, and owns itself until OnDone. While a job waits for room, nothing is read, so that
-// gRPC holds the client back. Messages are encoded when there is room for them in `outbox_`, one
-// for each job at a time, job after job.
+// Finish once, and owns itself until OnDone. While a part of an upload waits for room, or nobody
+// takes the messages, no further part is read, so that gRPC holds the client back. Messages are
+// encoded when there is room for them in `outbox_`, one for each job at a time, job after job.
 //
 // Its mutex may be held when a job's is taken, not the other way round.
 class BatchReactor final : public grpc::ServerBidiReactor<v1::BatchRequest, v1::BatchResponse>,
@@ -54,31 +54,45 @@ class BatchReactor final : public grpc::ServerBidiReactor<v1::BatchRequest, v1::
  private:
   using Lock = std::lock_guard<std::mutex>;
   using JobPointer = std::shared_ptr<BatchJob>;
-  // What the last message waits for before the next one is read.
+  // What the last part of an upload waits for.
   enum class Waiting { kNothing, kToBeAdmitted, kForPlace };
+  struct Entry {
+    JobPointer job;
+    // It is in ready_, or its next message is being made.
+    bool queued = false;
+  };
+  struct AnsweredJob {
+    JobPointer job;
+    Clock::time_point since;
+  };
 
   BatchReactor(ServiceCore& core, KeptJobs& kept, grpc::CallbackServerContext* context);
   void Start();
 
   // All with the mutex held. What comes in; in batch_reactor_upload.cc.
   [[nodiscard]] absl::Status TakeMessage();
-  [[nodiscard]] absl::Status TakeChunk(const v1::MeshChunk& chunk);
-  void TakeHeader();
+  [[nodiscard]] absl::Status TakePart(v1::BatchRequest part);
+  [[nodiscard]] absl::Status TakeHeader(v1::BatchRequest part);
+  [[nodiscard]] absl::Status TakeChunk(const v1::BatchRequest& part);
   void Cancel(const std::string& id);
   void Acknowledge(const std::string& id);
   void EndOfRequests();
   void Advance();
+  [[nodiscard]] absl::Status GoOn();
   bool AdmitJob();
   bool TakeUpJob();
   bool PlaceJob();
+  bool WindowIsOpen() const;
   bool MayTryAgain(const absl::Status& status) const;
-  bool GiveUpAnAnswer();
+  bool GiveUpAnAnswer(const absl::Status& for_want_of);
   void WaitFor(Waiting what);
+  JobPointer EndUpload();
 
   // What goes out.
   void AddJob(const JobPointer& job);
   void Fail(const JobPointer& job, const absl::Status& status);
-  void SendError(const std::string& id, const absl::Status& status);
+  void SendError(const std::string& id, const std::string& request_id, const absl::Status& status);
+  void SendAccepted(const std::string& id, const v1::Accepted& accepted);
   void Ready(const JobPointer& job);
   void Answered(const JobPointer& job);
   void PumpEncoders();
@@ -88,6 +102,7 @@ class BatchReactor final : public grpc::ServerBidiReactor<v1::BatchRequest, v1::
   void WriteTotals();
   void Write(std::unique_ptr<v1::BatchResponse> message);
   void End(const absl::Status& status);
+  void Drop(JobPointer job);
   [[nodiscard]] absl::Status CheckTimes(Clock::time_point now) const;
 
   // A task of the delivery threads.
@@ -96,26 +111,34 @@ class BatchReactor final : public grpc::ServerBidiReactor<v1::BatchRequest, v1::
   ServiceCore& core_;
   KeptJobs& kept_;
   grpc::CallbackServerContext* const context_;
+  const std::optional<Clock::time_point> deadline_;
   const Caller caller_;
   const Clock::time_point start_;
   std::shared_ptr<BatchReactor> self_;
   std::mutex mutex_;
   ClientWatch watch_;
 
-  // Input. `admitting_` is the job that waits to be admitted, once it is known to be a new one;
-  // `uploading_` the one whose mesh arrives; `last_id_` the last one that had a header.
+  // Input. `held_` is the header that waits to be admitted, `deferred_` the part of an upload that
+  // came behind what waits: nothing is read behind that. `admitting_` is the job that waits to be
+  // admitted, once it is known to be a new one; `uploading_` the one whose mesh arrives or waits
+  // for a place; `last_id_` the last one that had a header, whose chunks are dropped when it has
+  // failed or was taken up.
   v1::BatchRequest request_;
   bool reading_ = false;
   bool input_ended_ = false;
   Waiting waiting_ = Waiting::kNothing;
   Clock::time_point waiting_since_;
+  bool try_again_ = false;
+  v1::BatchRequest held_;
+  std::optional<v1::BatchRequest> deferred_;
   JobPointer admitting_;
   JobPointer uploading_;
   std::string last_id_;
+  bool drop_chunks_ = false;
 
   // Jobs without a complete answer, and those of the others whose acknowledgement is missing.
-  std::map<std::string, JobPointer> jobs_;
-  std::deque<JobPointer> answered_;
+  std::map<std::string, Entry> jobs_;
+  std::deque<AnsweredJob> answered_;
   std::uint64_t received_ = 0;
   std::uint64_t succeeded_ = 0;
   std::uint64_t failed_ = 0;

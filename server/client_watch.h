@@ -54,6 +54,8 @@ class ClientWatch {
   void Touch(Clock::time_point now) { last_activity_ = now; }
   void BeginUpload(Clock::time_point now) { upload_.Resume(now); }
   void Uploaded(std::uint64_t bytes) { upload_.Add(bytes); }
+  // The upload has ended or has to wait, and others may follow.
+  void PauseUpload(Clock::time_point now) { upload_.Pause(now); }
   // The mesh is complete: from now on at the latest a client has to read.
   void EndUpload(Clock::time_point now);
 

@@ -140,6 +140,7 @@ absl::Status Job::Run() {
   }
   if (spec_.send_control_mesh) LIMN_RETURN_IF_ERROR(EncodeControlMesh());
   mesh_ = PolygonMesh{};
+  encode_before_answer_ = encode_milliseconds_;
   part_ = FirstPart();
   return absl::OkStatus();
 }
@@ -152,6 +153,7 @@ void Job::Rewind() {
   if (spec_.send_control_mesh) control_chunks_.emplace(control_bytes_, tile_options_.tile_bytes);
   next_tile_ = 0;
   bytes_sent_ = 0;
+  encode_milliseconds_ = encode_before_answer_;
   part_ = FirstPart();
 }
 

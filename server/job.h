@@ -88,6 +88,8 @@ class Job {
   const Context context_;
   std::vector<StageTime> stages_;
   double encode_milliseconds_ = 0;
+  // Of it, what Run took.
+  double encode_before_answer_ = 0;
   std::uint64_t bytes_received_ = 0;
   std::uint64_t bytes_sent_ = 0;
 

@@ -8,6 +8,7 @@
 #include "engine/base/guard.h"
 #include "proto/wire/status.h"
 #include "server/deadline.h"
+#include "server/stream_errors.h"
 
 namespace limn {
 namespace {
@@ -15,8 +16,6 @@ namespace {
 // Encoded messages that wait while one is written.
 constexpr std::size_t kMostEncoded = 2;
 constexpr std::chrono::milliseconds kProgressInterval(100);
-// gRPC's clock, which ends calls at their deadline, and ours are not the same.
-constexpr std::chrono::milliseconds kClockSlack(10);
 
 using Seconds = std::chrono::duration<double>;
 
@@ -56,8 +55,7 @@ void JobReactor<Rpc>::Start() {
     return;
   }
   if (core_.draining.load()) {
-    End(MakeError("the server is stopping", {.reason = Reason::kShuttingDown,
-                                             .remedy = "Try another server, or again later"}));
+    End(ServerIsStopping());
     return;
   }
   this->StartRead(&request_);
@@ -243,7 +241,7 @@ void JobReactor<Rpc>::OnWriteDone(bool ok) {
     core_.metrics.AddInflight(-static_cast<std::int64_t>(writing_->ByteSizeLong()));
   }
   writing_.reset();
-  if (!ok) End(CancelledStatus());
+  if (!ok) End(CallIsOver(deadline_));
   TryWrite();
   PumpEncoder();
 }
@@ -251,21 +249,13 @@ void JobReactor<Rpc>::OnWriteDone(bool ok) {
 template <class Rpc>
 void JobReactor<Rpc>::OnCancel() {
   const Lock lock(mutex_);
-  End(CancelledStatus());
+  End(CallIsOver(deadline_));
 }
 
 template <class Rpc>
 void JobReactor<Rpc>::Stop(const absl::Status& status) {
   const Lock lock(mutex_);
   End(status);
-}
-
-template <class Rpc>
-absl::Status JobReactor<Rpc>::CancelledStatus() const {
-  if (deadline_.has_value() && Clock::now() + kClockSlack >= *deadline_) {
-    return MakeError("the job's deadline has passed", {.reason = Reason::kDeadlineExceeded});
-  }
-  return MakeError("the client cancelled or is gone", {.reason = Reason::kCancelled});
 }
 
 // The first reason to end counts. A job that runs gives its place back when it has stopped.

@@ -85,7 +85,6 @@ class JobReactor final
   void Write(std::unique_ptr<Response> message);
   void WriteProgress();
   void End(const absl::Status& status);
-  [[nodiscard]] absl::Status CancelledStatus() const;
   [[nodiscard]] absl::Status CheckTimes(Clock::time_point now) const;
   WorkerThreads& delivery();
 

@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
 #include "server/job_reactor.h"
+#include "server/stream_errors.h"
 
 namespace limn {
 
@@ -31,10 +32,7 @@ void JobReactor<Rpc>::CheckStall(Clock::time_point now) {
 template <class Rpc>
 absl::Status JobReactor<Rpc>::CheckTimes(Clock::time_point now) const {
   const std::uint64_t stream = core_.limits.stream_seconds;
-  if (stream > 0 && now - start_ >= std::chrono::seconds(stream)) {
-    return MakeError(absl::StrCat("the call has taken ", stream, " seconds (limit stream-seconds)"),
-                     {.reason = Reason::kLimitExceeded, .limit = "stream-seconds"});
-  }
+  if (stream > 0 && now - start_ >= std::chrono::seconds(stream)) return StreamTookTooLong(stream);
   return phase_ == Phase::kQueued ? run_.CheckQueueTime(now) : absl::OkStatus();
 }
 

@@ -5,32 +5,25 @@
 #include "absl/strings/str_cat.h"
 #include "engine/base/error.h"
 #include "server/job_reactor.h"
+#include "server/stream_errors.h"
 
 namespace limn {
-namespace {
-
-absl::Status Malformed(std::string_view message, std::string_view remedy) {
-  return MakeError(message, {.reason = Reason::kMalformedRequest, .remedy = std::string(remedy)});
-}
-
-}  // namespace
-
 template <class Rpc>
 absl::Status JobReactor<Rpc>::TakeMessage() {
   const v1::InterpolateRequest* const part = Rpc::UploadPart(request_);
   switch (phase_) {
     case Phase::kHeader:
       if (part == nullptr || !part->has_header()) {
-        return Malformed("the stream does not begin with a header", "Send the header first");
+        return MalformedStream("the stream does not begin with a header", "Send the header first");
       }
       return TakeHeader(part->header());
     case Phase::kUpload:
       if (part != nullptr && part->has_header()) {
-        return Malformed("there is a second header", "Use one stream per job");
+        return MalformedStream("there is a second header", "Use one stream per job");
       }
       if (part == nullptr || !part->has_chunk()) {
-        return Malformed("there is a message without a chunk among those of the mesh",
-                         "Send chunks after the header, to the last of the mesh");
+        return MalformedStream("there is a message without a chunk among those of the mesh",
+                               "Send chunks after the header, to the last of the mesh");
       }
       return TakeChunk(part->chunk());
     case Phase::kQueued:
@@ -48,8 +41,8 @@ absl::Status JobReactor<Rpc>::TakeInput() {
     input_ = std::move(request_);
     return absl::OkStatus();
   } else {
-    return Malformed("there is a message after the last chunk of the mesh",
-                     "End the upload after the last chunk");
+    return MalformedStream("there is a message after the last chunk of the mesh",
+                           "End the upload after the last chunk");
   }
 }
 
@@ -75,14 +68,15 @@ absl::Status JobReactor<Rpc>::TakeChunk(const v1::MeshChunk& chunk) {
 
 template <class Rpc>
 absl::Status JobReactor<Rpc>::EndOfRequests() {
-  if (context_->IsCancelled()) return CancelledStatus();
+  if (context_->IsCancelled()) return CallIsOver(deadline_);
   switch (phase_) {
     case Phase::kHeader:
-      return Malformed("the stream ended before the header", "Send a header and the mesh's chunks");
+      return MalformedStream("the stream ended before the header",
+                             "Send a header and the mesh's chunks");
     case Phase::kUpload:
-      return Malformed(absl::StrCat("the upload ended after ", run_.bytes_uploaded(), " of ",
-                                    run_.bytes_expected(), " bytes of the mesh"),
-                       "Send all chunks and set `last` on the last one");
+      return MalformedStream(absl::StrCat("the upload ended after ", run_.bytes_uploaded(), " of ",
+                                          run_.bytes_expected(), " bytes of the mesh"),
+                             "Send all chunks and set `last` on the last one");
     case Phase::kQueued:
     case Phase::kRunning:
     case Phase::kDelivering:

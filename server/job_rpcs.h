@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the rpcs that run a job differ in, for JobReactor: their messages, and their jobs.
+// What the rpcs that run a job differ in, for JobReactor and JobRun: their messages, and their
+// jobs.
 #pragma once
 
 #include "absl/status/status.h"

@@ -131,7 +131,8 @@ void JobRun<Rpc>::SetCounts(const v1::MeshHeader& mesh) {
 }
 
 template <class Rpc>
-void JobRun<Rpc>::LogEnd(const absl::Status& status, bool at_rest) const {
+void JobRun<Rpc>::LogEnd(const absl::Status& status, bool at_rest,
+                         const std::string& job_id) const {
   core_.metrics.CountRequest(Rpc::kName, status);
   at_rest = at_rest && job_ != nullptr;
   if (status.ok()) {
@@ -142,6 +143,7 @@ void JobRun<Rpc>::LogEnd(const absl::Status& status, bool at_rest) const {
   LogLine line("job");
   line.Add("request_id", request_id_).Add("method", Rpc::kName).Add("peer", caller_.peer);
   line.Add("client", caller_.client);
+  if (!job_id.empty()) line.Add("job_id", job_id);
   if (!caller_.trace.trace_id.empty()) {
     line.Add("trace_id", caller_.trace.trace_id).Add("parent_id", caller_.trace.parent_id);
   }

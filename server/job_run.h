@@ -70,8 +70,9 @@ class JobRun {
   // for too long.
   [[nodiscard]] absl::Status CheckQueueTime(Clock::time_point now) const;
 
-  // Counts the job's end, and writes its line of the log. at_rest: nothing runs.
-  void LogEnd(const absl::Status& status, bool at_rest) const;
+  // Counts the job's end, and writes its line of the log. at_rest: nothing runs. job_id: its name
+  // in a batch; empty for none.
+  void LogEnd(const absl::Status& status, bool at_rest, const std::string& job_id = "") const;
 
   const std::string& request_id() const { return request_id_; }
   // Null before TakeHeader.

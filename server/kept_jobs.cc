@@ -2,68 +2,62 @@
 #include "server/kept_jobs.h"
 
 #include <algorithm>
-#include <vector>
+#include <iterator>
+#include <utility>
 
 #include "engine/base/error.h"
 
 namespace limn {
-namespace {
-
-void StopAll(const std::vector<std::shared_ptr<BatchJob>>& jobs) {
-  for (const auto& job : jobs) {
-    (void)job->Stop(MakeError("the client did not come back for the job",
-                              {.reason = Reason::kCancelled, .limit = "resume-seconds"}));
-  }
-}
-
-}  // namespace
-
 KeptJobs::Answer KeptJobs::Claim(const std::string& client, const std::string& id,
                                  const std::string& digest, std::shared_ptr<BatchJob>* job) {
-  // Ended, and perhaps destroyed, without the mutex.
-  std::vector<std::shared_ptr<BatchJob>> other;
-  Answer answer = Answer::kNew;
-  {
-    const std::lock_guard lock(mutex_);
-    const auto [at, inserted] = entries_.try_emplace({client, id});
-    if (!inserted && at->second.job == nullptr) return Answer::kElsewhere;
-    if (!inserted) {
-      std::shared_ptr<BatchJob> found = std::exchange(at->second.job, nullptr);
-      if (found->digest() == digest) {
-        *job = std::move(found);
-        answer = Answer::kTakenUp;
-      } else {
-        other.push_back(std::move(found));
-      }
-    }
+  // Destroyed without the mutex.
+  std::shared_ptr<BatchJob> failed;
+  const std::lock_guard lock(mutex_);
+  const auto [at, inserted] = entries_.try_emplace({client, id, digest});
+  if (inserted) return Answer::kNew;
+  Entry& entry = at->second;
+  if (entry.job == nullptr) return Answer::kElsewhere;
+  if (!entry.job->error().ok()) {
+    failed = std::exchange(entry.job, nullptr);
+    return Answer::kNew;
   }
-  StopAll(other);
-  return answer;
+  entry.before += Clock::now() - entry.since;
+  *job = std::exchange(entry.job, nullptr);
+  return Answer::kTakenUp;
 }
 
 void KeptJobs::Keep(std::shared_ptr<BatchJob> job, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
-  const Key key(job->client(), job->id());
-  entries_[key] = {.job = std::move(job), .since = now};
+  Entry& entry = entries_[Key(job->client(), job->id(), job->digest())];
+  entry.job = std::move(job);
+  entry.since = now;
 }
 
 void KeptJobs::Forget(const BatchJob& job) {
   const std::lock_guard lock(mutex_);
-  entries_.erase({job.client(), job.id()});
+  entries_.erase({job.client(), job.id(), job.digest()});
 }
 
-void KeptJobs::Expire(Clock::time_point now) {
+std::vector<std::shared_ptr<BatchJob>> KeptJobs::Expire(Clock::time_point now) {
   std::vector<std::shared_ptr<BatchJob>> expired;
   {
     const std::lock_guard lock(mutex_);
-    std::erase_if(entries_, [&](auto& entry) {
-      if (entry.second.job == nullptr) return false;
-      if (now != Clock::time_point::max() && now - entry.second.since < time_) return false;
-      expired.push_back(std::move(entry.second.job));
-      return true;
-    });
+    for (auto at = entries_.begin(); at != entries_.end();) {
+      Entry& entry = at->second;
+      const bool all = now == Clock::time_point::max();
+      const bool over =
+          entry.job != nullptr && (all || entry.before + (now - entry.since) >= time_);
+      if (over) expired.push_back(std::move(entry.job));
+      at = over ? entries_.erase(at) : std::next(at);
+    }
   }
-  StopAll(expired);
+  for (const auto& job : expired) {
+    (void)job->Stop(MakeError("the client did not come back for the job",
+                              {.reason = Reason::kCancelled,
+                               .remedy = "Take jobs up again within resume-seconds",
+                               .limit = "resume-seconds"}));
+  }
+  return expired;
 }
 
 std::size_t KeptJobs::waiting() const {

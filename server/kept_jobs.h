@@ -4,17 +4,21 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 #include "server/batch_job.h"
 
 namespace limn {
 
-// Jobs are known by their client and their id. Thread-safe.
+// Jobs are known by their client, their id and their digest, so that nobody gets or ends what is
+// not the very same work of the same client. Thread-safe.
 class KeptJobs {
  public:
   using Clock = std::chrono::steady_clock;
@@ -30,7 +34,7 @@ class KeptJobs {
     // *job waited, and is the caller's now.
     kTakenUp,
   };
-  // A stream has a job of this id and digest. One that waits and has another digest is ended.
+  // A stream has this job. One that waits but has failed counts as none.
   Answer Claim(const std::string& client, const std::string& id, const std::string& digest,
                std::shared_ptr<BatchJob>* job);
   // The stream is gone; its job waits from now on.
@@ -38,19 +42,22 @@ class KeptJobs {
   // Nobody wants it any more.
   void Forget(const BatchJob& job);
 
-  // Ends those that have waited for too long.
-  void Expire(Clock::time_point now);
+  // Ends those that have waited for too long, all times together, and hands them out: to give back
+  // what they hold takes long.
+  std::vector<std::shared_ptr<BatchJob>> Expire(Clock::time_point now);
   // Ends all that wait.
-  void Clear() { Expire(Clock::time_point::max()); }
+  std::vector<std::shared_ptr<BatchJob>> Clear() { return Expire(Clock::time_point::max()); }
   // How many wait.
   std::size_t waiting() const;
 
  private:
-  using Key = std::pair<std::string, std::string>;
+  using Key = std::tuple<std::string, std::string, std::string>;
   struct Entry {
     // Null: a stream has it.
     std::shared_ptr<BatchJob> job;
     Clock::time_point since;
+    // Waited before.
+    Clock::duration before{0};
   };
 
   const Clock::duration time_;

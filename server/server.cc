@@ -134,6 +134,7 @@ struct Server::Impl {
   void Watch();
   void RefreshFiles();
   void WatchLanes();
+  void Drop(std::vector<std::shared_ptr<BatchJob>> jobs);
   void TrimWhenIdle(Clock::time_point now);
   ServerSample Sample();
   absl::Status WarmUp();
@@ -168,6 +169,11 @@ struct Server::Impl {
   bool idle = false;
 };
 
+// Giving back large results takes long, so another thread does it.
+void Server::Impl::Drop(std::vector<std::shared_ptr<BatchJob>> jobs) {
+  if (!jobs.empty()) core.lanes.batch.delivery().Post([jobs = std::move(jobs)] {});
+}
+
 // Four times a second.
 void Server::Impl::Watch() {
   std::unique_lock lock(mutex);
@@ -175,7 +181,9 @@ void Server::Impl::Watch() {
     lock.unlock();
     const Clock::time_point now = Clock::now();
     core.streams.ForEach([now](OpenStream& stream) { stream.CheckStall(now); });
-    service.kept_jobs().Expire(now);
+    // Nobody can come back to a server that stops.
+    const bool draining = core.draining.load();
+    Drop(draining ? service.kept_jobs().Clear() : service.kept_jobs().Expire(now));
     RefreshFiles();
     WatchLanes();
     TrimWhenIdle(now);
@@ -312,7 +320,7 @@ void Server::Impl::Shutdown(std::chrono::milliseconds patience) {
   }
   stopping.notify_all();
   watch.join();
-  service.kept_jobs().Clear();
+  Drop(service.kept_jobs().Clear());
   core.metrics.StopListening();
   idle = core.StopUntil(Clock::now() + kLastWork);
 }

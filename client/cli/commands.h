@@ -17,5 +17,6 @@ void AddEvaluateCommand(CLI::App& app, ExitStatus* status);
 void AddGenerateCommand(CLI::App& app, ExitStatus* status);
 void AddHealthCommand(CLI::App& app, ExitStatus* status);
 void AddInfoCommand(CLI::App& app, ExitStatus* status);
+void AddLoadCommand(CLI::App& app, ExitStatus* status);
 
 }  // namespace limn::cli

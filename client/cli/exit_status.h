@@ -19,6 +19,8 @@ enum class ExitStatus : int {
   kServer = 3,
   // Some jobs of a batch failed, and the others are done.
   kPartial = 4,
+  // `limn load`: what --slo asks for was not kept.
+  kObjective = 5,
   // Ctrl-C, as shells count it: 128 + SIGINT.
   kInterrupted = 130,
 };

@@ -23,9 +23,9 @@ constexpr const char* kFooter =
     "read\n"
     "or written; 2 the command line makes no sense; 3 the server; 4 jobs of a batch failed, and "
     "the\n"
-    "others are done; 130 interrupted. After a failure no output file of the job is left that was "
-    "not\n"
-    "there before.";
+    "others are done; 5 what `limn load --slo` asks for was not kept; 130 interrupted. After a "
+    "failure\n"
+    "no output file of the job is left that was not there before.";
 
 // The help that was asked for goes to stdout; a mistake is named on stderr.
 ExitStatus AnswerParseError(const CLI::App& app, const CLI::ParseError& error) {
@@ -55,6 +55,7 @@ ExitStatus Main(int argc, char** argv) {
   AddGenerateCommand(app, &status);
   AddHealthCommand(app, &status);
   AddInfoCommand(app, &status);
+  AddLoadCommand(app, &status);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -54,7 +54,7 @@ TEST_P(MessageE2e, IsThisOne) {
 
 std::vector<Mistake> Mistakes() {
   const std::string commands =
-      "interpolate, batch, filter, features, evaluate, generate, health, info";
+      "interpolate, batch, filter, features, evaluate, generate, health, info, load";
   const std::string in = "@/in.obj";
   const std::string see = "; see 'limn interpolate --help'";
   const std::string otherwise =

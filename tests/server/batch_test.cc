@@ -33,6 +33,11 @@ std::vector<v1::BatchRequest> JobUpload(const std::string& id, const v1::Interpo
   return messages;
 }
 
+std::string Digest(std::string text) {
+  text.resize(32, '.');
+  return text;
+}
+
 v1::BatchRequest Acknowledge(const std::string& id) {
   v1::BatchRequest message;
   message.set_job_id(id);
@@ -324,7 +329,7 @@ TEST_P(ResumeTest, AJobWithADigestIsTakenUpAndNotDoneTwice) {
   v1::InterpolateHeader header = MakeHeader(3);
   header.mutable_output()->set_tile_bytes(16 << 10);
   const PolygonMesh mesh = MakeSphere(3000);
-  std::vector<v1::BatchRequest> upload = JobUpload("job", header, mesh, "digest");
+  std::vector<v1::BatchRequest> upload = JobUpload("job", header, mesh, Digest("digest"));
   const bool complete = GetParam() != BrokenAt::kUpload;
   {
     RawBatch batch(server->InProcessChannel());
@@ -344,7 +349,7 @@ TEST_P(ResumeTest, AJobWithADigestIsTakenUpAndNotDoneTwice) {
   }
   // The server needs a moment to see it, during which the header waits.
   RawBatch batch(server->InProcessChannel());
-  upload = JobUpload("job", header, mesh, "digest");
+  upload = JobUpload("job", header, mesh, Digest("digest"));
   // What was there is taken up without its mesh; chunks are dropped.
   ASSERT_TRUE(complete ? batch.Write(upload.front()) : batch.Write(upload));
   Answers answers;
@@ -370,13 +375,13 @@ TEST(BatchResumeTest, AnotherDigestIsAnotherJob) {
   const std::unique_ptr<Server> server = StartServer();
   {
     RawBatch batch(server->InProcessChannel());
-    ASSERT_TRUE(batch.Write(JobUpload("job", MakeHeader(1), MakeSphere(60), "one")));
+    ASSERT_TRUE(batch.Write(JobUpload("job", MakeHeader(1), MakeSphere(60), Digest("one"))));
     Answers answers;
     answers.TakeUntil(&batch, "job");
     batch.Cancel();
   }
   RawBatch batch(server->InProcessChannel());
-  ASSERT_TRUE(batch.Write(JobUpload("job", MakeHeader(1), MakeSphere(61), "two")));
+  ASSERT_TRUE(batch.Write(JobUpload("job", MakeHeader(1), MakeSphere(61), Digest("two"))));
   Answers answers;
   answers.TakeUntil(&batch, "job");
   EXPECT_EQ(answers.resumed["job"], 0);
@@ -387,7 +392,7 @@ TEST(BatchResumeTest, AnAcknowledgedAnswerIsForgotten) {
   const std::unique_ptr<Server> server = StartServer();
   {
     RawBatch batch(server->InProcessChannel());
-    ASSERT_TRUE(batch.Write(JobUpload("job", MakeHeader(1), MakeSphere(60), "one")));
+    ASSERT_TRUE(batch.Write(JobUpload("job", MakeHeader(1), MakeSphere(60), Digest("one"))));
     Answers answers;
     answers.TakeUntil(&batch, "job");
     ASSERT_TRUE(batch.Write(Acknowledge("job")));
@@ -395,7 +400,7 @@ TEST(BatchResumeTest, AnAcknowledgedAnswerIsForgotten) {
     EXPECT_TRUE(batch.Finish().ok()) << batch.Finish();
   }
   RawBatch batch(server->InProcessChannel());
-  ASSERT_TRUE(batch.Write(JobUpload("job", MakeHeader(1), MakeSphere(60), "one")));
+  ASSERT_TRUE(batch.Write(JobUpload("job", MakeHeader(1), MakeSphere(60), Digest("one"))));
   Answers answers;
   answers.TakeUntil(&batch, "job");
   EXPECT_EQ(answers.resumed["job"], 0);
@@ -408,7 +413,7 @@ TEST(BatchResumeTest, AnswersWithoutAcknowledgementDoNotFillTheWindow) {
   RawBatch batch(server->InProcessChannel());
   std::vector<std::vector<v1::BatchRequest>> jobs;
   for (int i = 0; i < 12; ++i) {
-    jobs.push_back(JobUpload(Name(i), MakeHeader(1), MakeSphere(60), "digest"));
+    jobs.push_back(JobUpload(Name(i), MakeHeader(1), MakeSphere(60), Digest("digest")));
   }
   const Answers answers = RunAll(&batch, jobs);
   EXPECT_TRUE(batch.Finish().ok()) << batch.Finish();
@@ -426,13 +431,158 @@ TEST(BatchResumeTest, JobsOfAClientThatDoesNotComeBackAreEnded) {
   const std::unique_ptr<Server> server = StartServer(options);
   {
     RawBatch batch(server->InProcessChannel());
-    ASSERT_TRUE(batch.Write(JobUpload("endless", MakeEndlessHeader(), MakeSphere(20'000), "d")));
+    ASSERT_TRUE(
+        batch.Write(JobUpload("endless", MakeEndlessHeader(), MakeSphere(20'000), Digest("d"))));
     while (!batch.Read()->response().has_progress()) {
     }
     batch.Cancel();
   }
   EXPECT_TRUE(PlaceBecomesFree(server->InProcessChannel()));
   EXPECT_NE(log.WaitFor("did not come back"), "");
+}
+
+TEST(BatchResumeTest, DigestsOfOtherLengthsAreRefused) {
+  const std::unique_ptr<Server> server = StartServer();
+  RawBatch batch(server->InProcessChannel());
+  const Answers answers =
+      RunAll(&batch, {JobUpload("short", MakeHeader(1), MakeSphere(60), std::string(15, 'x')),
+                      JobUpload("long", MakeHeader(1), MakeSphere(60), std::string(65, 'x')),
+                      JobUpload("right", MakeHeader(1), MakeSphere(60), std::string(16, 'x'))});
+  EXPECT_TRUE(batch.Finish().ok()) << batch.Finish();
+  EXPECT_TRUE(answers.results.contains("right"));
+  for (const char* id : {"short", "long"}) {
+    ASSERT_TRUE(answers.errors.contains(id));
+    EXPECT_EQ(GetErrorDetail(answers.errors.at(id))->field, "digest");
+  }
+}
+
+TEST(BatchResumeTest, NobodyEndsOrGetsAnothersJobByItsId) {
+  const std::unique_ptr<Server> server = StartServer();
+  const v1::InterpolateHeader header = MakeHeader(1);
+  RawBatch one(server->InProcessChannel());
+  RawBatch two(server->InProcessChannel());
+  Answers of_one;
+  Answers of_two;
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(one.Write(JobUpload(Name(i), header, MakeSphere(60 + i), Digest("one"))));
+    ASSERT_TRUE(two.Write(JobUpload(Name(i), header, MakeSphere(80 + i), Digest("two"))));
+    of_one.TakeUntil(&one, Name(i));
+    of_two.TakeUntil(&two, Name(i));
+    ExpectSame(of_one.results.at(Name(i)), Alone(*server, header, MakeSphere(60 + i)));
+    ExpectSame(of_two.results.at(Name(i)), Alone(*server, header, MakeSphere(80 + i)));
+  }
+}
+
+TEST(BatchResumeTest, TheVerySameJobOfTwoCallsWaitsForOneAndIsRefusedInTheEnd) {
+  ServerOptions options{.threads = 2};
+  options.limits.queue_seconds = 1;
+  const std::unique_ptr<Server> server = StartServer(options);
+  RawBatch one(server->InProcessChannel());
+  ASSERT_TRUE(
+      one.Write(JobUpload("endless", MakeEndlessHeader(), MakeSphere(20'000), Digest("d"))));
+  Answers of_one;
+  of_one.Take(*one.Read());
+  RawBatch two(server->InProcessChannel());
+  const Answers of_two =
+      RunAll(&two, {JobUpload("endless", MakeEndlessHeader(), MakeSphere(20'000), Digest("d")),
+                    JobUpload("other", MakeHeader(1), MakeSphere(60))});
+  ASSERT_TRUE(of_two.errors.contains("endless"));
+  EXPECT_EQ(GetErrorDetail(of_two.errors.at("endless"))->field, "job_id");
+  EXPECT_TRUE(GetErrorDetail(of_two.errors.at("endless"))->retryable);
+  EXPECT_TRUE(of_two.results.contains("other"));
+}
+
+TEST(BatchTest, CancelAndAcknowledgeGetPastAHeaderThatWaits) {
+  ServerOptions options{.threads = 2};
+  options.limits.batch_window = 1;
+  const std::unique_ptr<Server> server = StartServer(options);
+  RawBatch batch(server->InProcessChannel());
+  Answers answers;
+  ASSERT_TRUE(batch.Write(JobUpload("kept", MakeHeader(1), MakeSphere(60), Digest("d"))));
+  answers.TakeUntil(&batch, "kept");
+  ASSERT_TRUE(batch.Write(JobUpload("endless", MakeEndlessHeader(), MakeSphere(20'000))));
+  ASSERT_TRUE(batch.Write(JobUpload("waits", MakeHeader(1), MakeSphere(60)).front()));
+  ASSERT_TRUE(batch.Write(Acknowledge("kept")));
+  ASSERT_TRUE(batch.Write(Cancel("waits")));
+  answers.TakeUntil(&batch, "waits");
+  ASSERT_TRUE(batch.Write(JobUpload("next", MakeHeader(1), MakeSphere(60)).front()));
+  ASSERT_TRUE(batch.Write(Cancel("endless")));
+  answers.TakeUntil(&batch, "endless");
+  for (const char* id : {"waits", "endless"}) {
+    EXPECT_EQ(answers.errors.at(id).code(), absl::StatusCode::kCancelled);
+  }
+  ASSERT_TRUE(batch.Write(JobUpload("next", MakeHeader(1), MakeSphere(60)).back()));
+  answers.TakeUntil(&batch, "next");
+  EXPECT_TRUE(answers.results.contains("next"));
+}
+
+TEST(BatchTest, ErrorsThatNobodyTakesHoldTheClientBack) {
+  ServerOptions options{.threads = 2};
+  options.limits.stall_seconds = 1;
+  const std::unique_ptr<Server> server = StartServer(options);
+  RawBatch batch(server->InProcessChannel());
+  v1::BatchRequest header = JobUpload("bad", MakeHeader(1), MakeSphere(60)).front();
+  header.mutable_request()->mutable_header()->mutable_solve()->set_tolerance(7);
+  int sent = 0;
+  // Ended by the server, since nothing is read.
+  while (sent < 100'000 && batch.Write(header)) ++sent;
+  EXPECT_LT(sent, 10'000);
+}
+
+TEST(BatchTest, AnUploadMayWaitBehindACancelledOne) {
+  ServerOptions options{.threads = 2};
+  options.limits.stall_seconds = 1;
+  const std::unique_ptr<Server> server = StartServer(options);
+  RawBatch batch(server->InProcessChannel());
+  ASSERT_TRUE(batch.Write(JobUpload("endless", MakeEndlessHeader(), MakeSphere(20'000))));
+  ASSERT_TRUE(batch.Write(JobUpload("half", MakeHeader(1), MakeSphere(5000)).front()));
+  ASSERT_TRUE(batch.Write(Cancel("half")));
+  Answers answers;
+  answers.TakeUntil(&batch, "half");
+  // The client's turn is over: it reads, and has nothing to send.
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(3);
+  while (std::chrono::steady_clock::now() < until) {
+    std::optional<v1::BatchResponse> message = batch.Read();
+    ASSERT_TRUE(message.has_value()) << batch.Finish();
+    answers.Take(*std::move(message));
+  }
+  ASSERT_TRUE(batch.Write(JobUpload("next", MakeHeader(1), MakeSphere(5000))));
+  answers.TakeUntil(&batch, "next");
+  EXPECT_TRUE(answers.results.contains("next"));
+}
+
+TEST(BatchTest, JobsWaitForTheirOwnStreamsOthersWithoutEnd) {
+  ServerOptions options{.threads = 2};
+  options.limits.workers = 1;
+  options.limits.interactive_milliseconds = 0;
+  options.limits.queue_seconds = 1;
+  const std::unique_ptr<Server> server = StartServer(options);
+  RawBatch batch(server->InProcessChannel());
+  ASSERT_TRUE(batch.Write(JobUpload("endless", MakeEndlessHeader(), MakeSphere(20'000))));
+  ASSERT_TRUE(batch.Write(JobUpload("behind", MakeHeader(1), MakeSphere(60))));
+  std::thread canceller([&] {
+    std::this_thread::sleep_for(milliseconds(2500));
+    batch.Write(Cancel("endless"));
+  });
+  Answers answers;
+  answers.TakeUntil(&batch, "behind");
+  canceller.join();
+  EXPECT_TRUE(answers.results.contains("behind"));
+}
+
+TEST(BatchTest, EachJobHasItsLineInTheLog) {
+  const EventLog log;
+  ServerOptions options{.threads = 2};
+  options.log = log.log();
+  const std::unique_ptr<Server> server = StartServer(options);
+  RawBatch batch(server->InProcessChannel());
+  ASSERT_TRUE(batch.Write(JobUpload("job-7", MakeHeader(1), MakeSphere(60), Digest("d"))));
+  Answers answers;
+  answers.TakeUntil(&batch, "job-7");
+  // Before it is acknowledged.
+  const std::string line = log.WaitFor(" job_id=job-7 ");
+  EXPECT_NE(line.find("/job-7 "), std::string::npos) << line;
+  EXPECT_NE(line.find("BatchJob"), std::string::npos) << line;
 }
 
 TEST(BatchDrainTest, WhatWasTakenIsAnsweredAndTheRestIsSentElsewhere) {
