@@ -79,11 +79,7 @@ void BatchJob::Run() {
 void BatchJob::Report(const ProgressEvent& event) {
   const Lock lock(mutex_);
   if (phase_ != Phase::kRunning || !error_.ok()) return;
-  if (!progress_.has_value()) progress_.emplace();
-  progress_->set_stage(std::string(event.stage));
-  progress_->set_fraction(event.fraction);
-  progress_->set_sweep(event.sweep);
-  progress_->set_residual(event.update);
+  progress_ = ProgressOf(event);
 }
 
 std::optional<v1::Progress> BatchJob::TakeProgress() {

@@ -156,8 +156,8 @@ bool BatchReactor::GiveUpAnAnswer(const absl::Status& for_want_of) {
 
 void BatchReactor::EndOfRequests() {
   input_ended_ = true;
-  // What waits for a place is complete.
-  if (uploading_ == nullptr || waiting_ == Waiting::kForPlace) return;
+  // What waits for a place is complete, and what waits to be admitted is not yet known.
+  if (uploading_ == nullptr || waiting_ == Waiting::kForPlace || deferred_.has_value()) return;
   const JobPointer job = EndUpload();
   Fail(job, MalformedStream(absl::StrCat("the upload ended after ", job->bytes_uploaded(), " of ",
                                          job->bytes_expected(), " bytes of the mesh"),
@@ -176,6 +176,8 @@ void BatchReactor::Advance() {
   if (end_.has_value() || finished_) return;
   const absl::Status status = Guarded("taking a job", Reason::kInternal, [this] { return GoOn(); });
   if (!status.ok()) return End(status);
+  // A header may have been admitted after the client had closed its side.
+  if (input_ended_) EndOfRequests();
   const bool too_far = deferred_.has_value() || outbox_.size() >= kMostUntaken;
   if (too_far || reading_ || input_ended_) return;
   if (uploading_ != nullptr && waiting_ == Waiting::kNothing) watch_.BeginUpload(Clock::now());

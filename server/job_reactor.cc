@@ -120,11 +120,7 @@ template <class Rpc>
 void JobReactor<Rpc>::TakeProgress(const ProgressEvent& event) {
   const Lock lock(mutex_);
   if (phase_ != Phase::kRunning || end_.has_value()) return;
-  if (!progress_.has_value()) progress_.emplace();
-  progress_->set_stage(std::string(event.stage));
-  progress_->set_fraction(event.fraction);
-  progress_->set_sweep(event.sweep);
-  progress_->set_residual(event.update);
+  progress_ = ProgressOf(event);
   TryWrite();
 }
 

@@ -14,6 +14,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "engine/base/context.h"
+#include "limn/v1/interpolate.pb.h"
 #include "proto/wire/chunks.h"
 #include "server/admission.h"
 #include "server/caller.h"
@@ -21,6 +22,16 @@
 #include "server/service_core.h"
 
 namespace limn {
+
+// The event as the message that clients get.
+inline v1::Progress ProgressOf(const ProgressEvent& event) {
+  v1::Progress progress;
+  progress.set_stage(std::string(event.stage));
+  progress.set_fraction(event.fraction);
+  progress.set_sweep(event.sweep);
+  progress.set_residual(event.update);
+  return progress;
+}
 
 // The steps, in order: TakeHeader, TakeChunk until upload_complete, Enqueue, BeginRun, Compute,
 // EndRun, NextMessage until there is none. The stream that has the job holds its own mutex in all

@@ -43,7 +43,9 @@
 // boundaries and creases of 3 quads or 4 triangles or more (its masks belong to other rules);
 // boundary vertices of one quad whose curve is straight (its two tangents are parallel there);
 // corners, where it takes the first two edges rather than the two sharp ones; normals at creases
-// inside the mesh, where it answers for one side. Everything else is equal to rounding.
+// inside the mesh, where it answers for one side. Everything else is equal to rounding. Bfr, which
+// approximates around extraordinary vertices, has the same points and tends to these normals: it is
+// 3e-3 off with its default approximation level of 2, 7e-4 with 4 and 3e-6 with 10.
 #pragma once
 
 #include "absl/status/status.h"

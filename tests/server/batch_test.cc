@@ -516,6 +516,23 @@ TEST(BatchTest, CancelAndAcknowledgeGetPastAHeaderThatWaits) {
   EXPECT_TRUE(answers.results.contains("next"));
 }
 
+TEST(BatchTest, AHeaderThatWaitsWhenTheStreamEndsFailsForItsMesh) {
+  ServerOptions options{.threads = 2};
+  options.limits.batch_window = 1;
+  const std::unique_ptr<Server> server = StartServer(options);
+  RawBatch batch(server->InProcessChannel());
+  // A place that becomes free only after the end has been read: by an answer that is taken late.
+  ASSERT_TRUE(batch.Write(JobUpload("first", MakeHeader(3), MakeSphere(3000))));
+  ASSERT_TRUE(batch.Write(JobUpload("half", MakeHeader(1), MakeSphere(60)).front()));
+  batch.WritesDone();
+  Answers answers;
+  answers.TakeAll(&batch);
+  EXPECT_TRUE(batch.Finish().ok()) << batch.Finish();
+  EXPECT_TRUE(answers.results.contains("first"));
+  ASSERT_TRUE(answers.errors.contains("half"));
+  EXPECT_EQ(ReasonOf(answers.errors.at("half")), Reason::kMalformedRequest);
+}
+
 TEST(BatchTest, ErrorsThatNobodyTakesHoldTheClientBack) {
   ServerOptions options{.threads = 2};
   options.limits.stall_seconds = 1;
